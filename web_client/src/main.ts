@@ -4,8 +4,7 @@
  */
 
 import { pageAt } from "./console/page_address";
-import { KEY_NEEDED } from "./protocol/http";
-import { beginSiteAt, pathInSite, siteUrl } from "./protocol/site";
+import { beginSiteAt, KEY_NEEDED, pathInSite, siteUrl } from "./protocol/http";
 import "./ui/style.css";
 import "./console/tokens.css";
 

@@ -11,7 +11,7 @@ const ROOMS: Readonly<Record<string, readonly string[]>> = {
   protocol: ["codec"],
   camera: ["codec"],
   source: ["codec", "protocol"],
-  renderer: ["camera"],
+  renderer: ["camera", "codec"],
   worker: ["camera", "codec", "renderer"],
   dom: [],
   scene: ["camera", "codec", "renderer", "source", "worker"],

@@ -3,6 +3,7 @@
  * they meet WebGL's clip space (y up).
  */
 
+import type { Manifest } from "../codec/types";
 import { add, apply, type Mat3, row, scale, subtract, type Vec3 } from "./vector";
 
 /** A camera-space point is `rotation` p + `translation`; rotation is world-to-camera, row-major. */
@@ -96,4 +97,25 @@ export function project(point: Vec3, pose: Pose, camera: Intrinsics): Vec3 {
 export function unproject([x, y, depth]: Vec3, pose: Pose, camera: Intrinsics): Vec3 {
   const ray: Vec3 = [(x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy, 1];
   return eyeOf({ rotation: pose.rotation, translation: subtract(pose.translation, scale(ray, depth)) });
+}
+
+export interface StartCamera {
+  readonly name: string;
+  readonly pose: Pose;
+  readonly camera: Intrinsics;
+}
+
+/**
+ * The capture camera of that name, or the first one if `name` is null.
+ *
+ * @throws Error that names the cameras there are if none has that name.
+ */
+export function startCamera(manifest: Manifest, name: string | null): StartCamera {
+  const { cameras } = manifest;
+  const found = name === null ? cameras[0] : cameras.find((camera) => camera.name === name);
+  if (!found) {
+    const names = cameras.map((camera) => camera.name).join(", ");
+    throw new Error(`camera ${name}: the scene has no such camera; there are ${names}`);
+  }
+  return { name: found.name, pose: poseOf(found.worldToCamera), camera: found };
 }

@@ -2,8 +2,7 @@
 
 import { crc32 } from "./crc32";
 import { ChunkError } from "./errors";
-import type { Bounds, Box } from "./types";
-import { VERSIONS } from "./versions";
+import { type Bounds, type Box, VERSIONS } from "./types";
 
 const MAGIC = 0x43534748; // "HGSC"
 const MAX_SPLATS = 2 ** 20;

@@ -1,12 +1,11 @@
 /** From the bytes of a chunk to float arrays, bit for bit as docs/format.md states. */
 
-import { ATTRIBUTES, type AttributeName, attributeOf } from "./attributes";
+import { ATTRIBUTES, type AttributeName, attributeOf, knownStreams, type Streams } from "./attributes";
 import { TABLE, unpack } from "./chunk";
 import { ChunkError } from "./errors";
 import { Forms } from "./forms";
 import { completeQuats, ease, type Layout, scatter } from "./quantise";
 import { readStream } from "./streams";
-import { knownStreams, type Streams } from "./table";
 import type { DecodedChunk } from "./types";
 import { zstdReady } from "./zstd";
 

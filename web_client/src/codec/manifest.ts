@@ -1,8 +1,16 @@
 /** The manifest of a scene, checked field by field (docs/format.md, "Manifest"). */
 
 import { ManifestError } from "./errors";
-import type { Box, CapturedSpace, ChunkEntry, Manifest, ManifestCamera, SegmentEntry, SliceEntry } from "./types";
-import { VERSIONS } from "./versions";
+import {
+  type Box,
+  type CapturedSpace,
+  type ChunkEntry,
+  type Manifest,
+  type ManifestCamera,
+  type SegmentEntry,
+  type SliceEntry,
+  VERSIONS,
+} from "./types";
 
 /** A value somewhere inside the document; every reader throws ManifestError if the value is not of its type. */
 export class Field {

@@ -165,3 +165,6 @@ export interface Manifest {
   /** From where the pictures were taken; null where the document does not say. */
   readonly capturedSpace: CapturedSpace | null;
 }
+
+/** Versions of the format that are read; the second has motions of the fifth order. */
+export const VERSIONS: readonly number[] = [2, 3];

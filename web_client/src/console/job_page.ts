@@ -11,15 +11,15 @@ import {
   isRetriable,
   type Job,
   type JobRun,
+  pictureUrl,
   reportUrl,
   retryJob,
 } from "../protocol/api";
-import { siteUrl } from "../protocol/site";
+import { siteUrl } from "../protocol/http";
 import { configTable } from "./config_table";
 import { JobChart } from "./job_chart";
 import { JobCourse } from "./job_course";
 import { JobLogPanel } from "./job_log";
-import { JobPicture } from "./job_picture";
 import { JobSteps } from "./job_steps";
 import {
   captureName,
@@ -33,6 +33,33 @@ import {
 } from "./job_words";
 import { emptyState, isMissing, type Shell, showShell } from "./shell";
 import "./job.css";
+
+export class JobPicture {
+  readonly #caption = element("figcaption", { class: "hint" }, "The first picture appears once training starts.");
+  readonly node = element("figure", { class: "job-picture" }, this.#caption);
+  #version: string | null = null;
+  #shown: HTMLImageElement | null = null;
+
+  constructor(readonly job: string) {}
+
+  /** Show the picture of a version; the one before stays until it has come. */
+  show(version: string | null): void {
+    if (version === null || version === this.#version) return;
+    this.#version = version;
+    const picture = element("img", { src: pictureUrl(this.job, version), alt: "The scene as it is now" });
+    picture.decode().then(
+      () => {
+        if (version !== this.#version) return;
+        if (this.#shown) this.#shown.replaceWith(picture);
+        else this.node.replaceChildren(picture);
+        this.#shown = picture;
+      },
+      () => {
+        if (version === this.#version) this.#version = null; // it was replaced meanwhile: look again
+      },
+    );
+  }
+}
 
 const LOOK = 3000; // ms between two looks at what no event tells: the picture, the place in the queue, the log
 

@@ -2,7 +2,7 @@
 
 import { element, setText } from "../dom/element";
 import { cancelJob, isFinal, isRetriable, type Job, retryJob } from "../protocol/api";
-import { siteUrl } from "../protocol/site";
+import { siteUrl } from "../protocol/http";
 import { JobSteps } from "./job_steps";
 import { describeFault, describeFigures, describeProgress, titleOf } from "./job_words";
 import { showNodes } from "./shell";

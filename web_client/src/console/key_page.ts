@@ -2,7 +2,7 @@
 
 import { element, setText } from "../dom/element";
 import { beginSession } from "../protocol/api";
-import { siteUrl } from "../protocol/site";
+import { siteUrl } from "../protocol/http";
 import "./key_page.css";
 
 /** Take the place of whatever the page shows; once a key was given the page is loaded again. */

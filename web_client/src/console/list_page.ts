@@ -3,7 +3,7 @@
 import { element, icon } from "../dom/element";
 import { PLUS } from "../dom/icons";
 import { ApiError, endSession, followJob, getSession, isFinal, type Job, listJobs, listScenes } from "../protocol/api";
-import { siteUrl } from "../protocol/site";
+import { siteUrl } from "../protocol/http";
 import { JobRows } from "./job_rows";
 import { SceneSection } from "./scene_section";
 import { showShell } from "./shell";

@@ -3,7 +3,7 @@
 import { element, icon } from "../dom/element";
 import { MORE } from "../dom/icons";
 import { deleteScene, getSession, makeLink, renameScene, type Scene } from "../protocol/api";
-import { siteUrl } from "../protocol/site";
+import { siteUrl } from "../protocol/http";
 import { ask } from "./dialog";
 import { nameOf } from "./scene_order";
 

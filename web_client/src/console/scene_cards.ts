@@ -4,7 +4,7 @@ import { element, icon } from "../dom/element";
 import { formatBytes, formatDuration } from "../dom/format";
 import { PLAY } from "../dom/icons";
 import { type Scene, thumbnailUrl } from "../protocol/api";
-import { siteUrl } from "../protocol/site";
+import { siteUrl } from "../protocol/http";
 import { type SceneEvents, sceneActions } from "./scene_actions";
 import { nameOf } from "./scene_order";
 import { showNodes } from "./shell";

@@ -2,7 +2,7 @@
 
 import { element, setText } from "../dom/element";
 import type { Scene } from "../protocol/api";
-import { siteUrl } from "../protocol/site";
+import { siteUrl } from "../protocol/http";
 import type { SceneEvents } from "./scene_actions";
 import { SceneCards } from "./scene_cards";
 import { arrange, isOrder, ORDERS } from "./scene_order";

@@ -2,7 +2,7 @@
 
 import { element, setText } from "../dom/element";
 import { ApiError } from "../protocol/api";
-import { siteUrl } from "../protocol/site";
+import { siteUrl } from "../protocol/http";
 import "./console.css";
 
 const MESSAGE_SECONDS = 4;

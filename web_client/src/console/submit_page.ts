@@ -4,7 +4,7 @@ import "./form.css";
 import { element } from "../dom/element";
 import { formatDuration } from "../dom/format";
 import { ApiError, type Capture, type CaptureList, listCaptures, submitJob } from "../protocol/api";
-import { siteUrl } from "../protocol/site";
+import { siteUrl } from "../protocol/http";
 import { CheckPanel } from "./check_panel";
 import { choices, chosenIn, type Field, FormField, fieldOf, reasonOf } from "./form_field";
 import { SentCaptures } from "./sent_captures";

@@ -3,7 +3,7 @@
 import { element, setText } from "../dom/element";
 import { formatBytes } from "../dom/format";
 import type { SentFile, Transfer, TransferState } from "../upload/transfer";
-import { describeTransfer } from "../upload/upload_words";
+import { describeTransfer } from "../upload/upload_progress";
 
 const MOST_ROWS = 100; // files that are listed
 

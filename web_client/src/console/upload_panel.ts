@@ -4,8 +4,8 @@ import { element, setText } from "../dom/element";
 import * as uploads from "../protocol/uploads";
 import { type Chosen, fromDrop, fromPicker } from "../upload/chosen_files";
 import { FileHasher } from "../upload/hash_file";
-import { Speed } from "../upload/speed";
 import { Transfer, type UploadRequests } from "../upload/transfer";
+import { Speed } from "../upload/upload_progress";
 import { TransferView } from "./transfer_view";
 import "./upload.css";
 

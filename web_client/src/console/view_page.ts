@@ -3,7 +3,7 @@
 import { element } from "../dom/element";
 import type { HgsPlayer } from "../player/hgs_player";
 import { getScene } from "../protocol/api";
-import { siteUrl } from "../protocol/site";
+import { siteUrl } from "../protocol/http";
 import type { Quality } from "../renderer/fineness";
 import type { Pixels } from "../renderer/shot";
 import { PlayerView } from "../ui/player_view";

@@ -1,7 +1,6 @@
 /** From where a box is seen: places of the picture, CSS pixels, as points and rays of the world. */
 
-import { fitted, type Intrinsics, type Pose, poseAt, project } from "../camera/pinhole";
-import { startCamera } from "../camera/start";
+import { fitted, type Intrinsics, type Pose, poseAt, project, startCamera } from "../camera/pinhole";
 import { add, cross, dot, fromRows, normalise, row, scale, subtract, type Vec3 } from "../camera/vector";
 import type { HgsPlayer } from "../player/hgs_player";
 

@@ -2,7 +2,7 @@
 
 import type { Manifest } from "../codec/types";
 import type { PlayerClock } from "../scene/clock";
-import { ProgressEvents } from "../scene/playback_events";
+import { ProgressEvents } from "../scene/playback";
 import type { OpenSource } from "../source/scene_source";
 import type { HgsPlayerEvents } from "./hgs_player_events";
 import { SceneCanvas } from "./scene_canvas";

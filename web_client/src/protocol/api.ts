@@ -1,7 +1,6 @@
 /** Captures, jobs and scenes over HTTP; the objects are those of docs/rest.md. All functions throw `ApiError`. */
 
-import { ApiError, getJson, request, sendJson } from "./http";
-import { siteUrl } from "./site";
+import { ApiError, getJson, request, sendJson, siteUrl } from "./http";
 
 export { ApiError };
 

@@ -1,4 +1,17 @@
-/** Requests to the server that the page came from, and its problem documents (docs/rest.md, Errors). */
+/** The server that the page came from: addresses, requests, and its problem documents (docs/rest.md, Errors). */
+
+let root = "/";
+
+/** @param path of the server's root, with a slash at its end, as browsers write it: `/`, `/hgs/`, `/my%20scenes/hgs/`. */
+export function beginSiteAt(path: string): void {
+  root = path;
+}
+
+/** The address of what is at `path` below the server's root, such as `v1/scenes`. */
+export const siteUrl = (path: string): string => root + path;
+
+/** The part of a page's address below the server's root, with a slash before it; all of it if it is not below. */
+export const pathInSite = (path: string): string => (path.startsWith(root) ? path.slice(root.length - 1) : path);
 
 /** The server answered with a problem, or not at all; the message is one line for people. */
 export class ApiError extends Error {

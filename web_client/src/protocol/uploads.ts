@@ -1,7 +1,6 @@
 /** Sending captures, and their check; the objects and steps are those of docs/upload.md. All functions throw `ApiError`. */
 
-import { ApiError, getJson, KEY_NEEDED, request, sendJson } from "./http";
-import { siteUrl } from "./site";
+import { ApiError, getJson, KEY_NEEDED, request, sendJson, siteUrl } from "./http";
 
 export interface Upload {
   readonly id: string;

@@ -1,5 +1,7 @@
 /** How splats lie in the data textures; shared by the worker that packs them and the shaders that read them. */
 
+import type { ChunkEntry, Manifest } from "../codec/types";
+
 /** Binary digits of a texel's column in a data texture. */
 const TEXTURE_BITS = 11;
 
@@ -44,3 +46,23 @@ export const LAYOUT_DEFINITIONS = `
 #define DYNAMIC_BIT ${DYNAMIC_BIT}u
 #define TRIANGLES_PER_INSTANCE ${TRIANGLES_PER_INSTANCE}u
 `;
+
+export interface StaticPlacement {
+  /** Chunk id -> id of its first splat; the others follow. */
+  readonly first: ReadonlyMap<string, number>;
+  readonly rows: number;
+}
+
+/** Statics stay: whole rows per chunk, in manifest order. */
+export function placeStatics(manifest: Manifest): StaticPlacement {
+  const first = new Map<string, number>();
+  let rows = 0;
+  for (const chunk of manifest.static) {
+    first.set(chunk.id, rows * STATICS_PER_ROW);
+    rows += Math.ceil(chunk.splats / STATICS_PER_ROW);
+  }
+  return { first, rows };
+}
+
+/** Dynamics come and go: so many rows of a texture, whichever are free. */
+export const rowsOf = ({ splats }: Pick<ChunkEntry, "splats">): number => Math.ceil(splats / DYNAMICS_PER_ROW);

@@ -1,7 +1,6 @@
 /** Which chunks are here, and which moments can be shown with them. */
 
-import { type Layered, layersOf } from "../codec/layers";
-import { chunksOf, sliceAt } from "../codec/slices";
+import { chunksOf, type Layered, layersOf, sliceAt } from "../codec/manifest_chunks";
 import type { Manifest } from "../codec/types";
 import { ChunkStates } from "./chunk_states";
 

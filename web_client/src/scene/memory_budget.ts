@@ -1,9 +1,8 @@
 /** How much of a scene is kept in memory. */
 
-import { chunksOf } from "../codec/slices";
+import { chunksOf } from "../codec/manifest_chunks";
 import type { Manifest, Room } from "../codec/types";
-import { TEXTURE_WIDTH } from "../renderer/layout";
-import { rowsOf } from "../worker/placement";
+import { rowsOf, TEXTURE_WIDTH } from "../renderer/layout";
 
 const MB = 1 << 20;
 /** What waits for its time, and what is on its way from the decoder to the textures: about so many bytes. */

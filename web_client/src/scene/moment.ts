@@ -1,6 +1,6 @@
 /** The moments that one order of splats can be drawn at. An order belongs to one segment. */
 
-import { sliceAt } from "../codec/slices";
+import { sliceAt } from "../codec/manifest_chunks";
 import type { Manifest, SegmentEntry } from "../codec/types";
 import type { Playback } from "./playback";
 

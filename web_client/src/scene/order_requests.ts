@@ -4,7 +4,7 @@ import type { SplatSink } from "../renderer/splat_drawer";
 import type { OrderedSplats } from "../worker/messages";
 import type { SceneWorker } from "../worker/scene_worker";
 import type { Moment } from "./moment";
-import { type Sight, sameSight } from "./sight";
+import { type Sight, sameSight } from "./view";
 
 /** What an order is of. */
 export interface OrderKey extends Moment, Sight {

@@ -3,9 +3,9 @@
  * has passed makes room, and is fetched again when its turn comes. Chunks that come too early wait as they came.
  */
 
-import { chunksOf, sliceAt } from "../codec/slices";
+import { chunksOf, sliceAt } from "../codec/manifest_chunks";
 import type { ChunkEntry, Manifest } from "../codec/types";
-import { rowsOf } from "../worker/placement";
+import { rowsOf } from "../renderer/layout";
 import type { ChunkState, ChunkStates } from "./chunk_states";
 
 /** Chunks fetched again at once. */

@@ -1,11 +1,11 @@
 /** The way of a scene's chunks: from the source through the decoder into the sink's textures, and out of them again. */
 
-import { chunksBetween } from "../codec/slices";
+import { chunksBetween } from "../codec/manifest_chunks";
 import type { Manifest } from "../codec/types";
+import { placeStatics } from "../renderer/layout";
 import type { SplatSink } from "../renderer/splat_drawer";
 import type { SceneSource } from "../source/scene_source";
 import type { DecodedSplats } from "../worker/messages";
-import { placeStatics } from "../worker/placement";
 import type { SceneWorker } from "../worker/scene_worker";
 import type { SceneBuffer } from "./buffer";
 import { ChunkIntake } from "./chunk_intake";

@@ -16,8 +16,7 @@ import { type OrderKey, OrderRequests } from "./order_requests";
 import { Playback } from "./playback";
 import { SceneChunks } from "./scene_chunks";
 import type { SceneEvents, SceneOptions, SceneStep } from "./scene_types";
-import { type Sight, sameSight, sightOf } from "./sight";
-import type { View } from "./view";
+import { type Sight, sameSight, sightOf, type View } from "./view";
 
 export class StreamedScene {
   readonly orders: OrderRequests;

@@ -1,7 +1,6 @@
 /** Which chunks a playhead needs first (docs/stream.md, "Order"), for a source that asks for each by itself. */
 
-import { type Layered, layersOf } from "../codec/layers";
-import { chunksOf, sliceAt } from "../codec/slices";
+import { chunksOf, type Layered, layersOf, sliceAt } from "../codec/manifest_chunks";
 import type { ChunkEntry, Manifest } from "../codec/types";
 import type { Playhead } from "./scene_source";
 

@@ -1,4 +1,4 @@
-/** A file over HTTP, given up when nothing more of it comes. */
+/** Downloads over HTTP, and the delay before another attempt. */
 
 import { ManifestError } from "../codec/errors";
 
@@ -71,3 +71,11 @@ function joined(parts: readonly Uint8Array[]): Uint8Array<ArrayBuffer> {
   }
   return bytes;
 }
+
+/** Longest wait before the first retry, ms; doubled at each failure. */
+const FIRST_RETRY = 500;
+const LAST_RETRY = 8000; // ms
+
+/** Milliseconds, anywhere in a span, so that all viewers of a server that has come back do not come at once. */
+export const retryDelay = (failures: number): number =>
+  Math.min(LAST_RETRY, FIRST_RETRY * 2 ** failures) * Math.random();

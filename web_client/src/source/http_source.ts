@@ -7,8 +7,7 @@ import { ManifestError } from "../codec/errors";
 import { parseManifest } from "../codec/manifest";
 import type { ChunkEntry } from "../codec/types";
 import { ChunkOrder } from "./chunk_order";
-import { download, StatusError } from "./download";
-import { retryDelay } from "./retry_delay";
+import { download, retryDelay, StatusError } from "./download";
 import { GZIP, type Playhead, type SceneManifest, type SceneSource, type SourceEvents } from "./scene_source";
 import { Throughput } from "./throughput";
 

@@ -2,7 +2,7 @@
 
 import { Connection, type Socket } from "../protocol/connection";
 import type { ClientMessage } from "../protocol/messages";
-import { retryDelay } from "./retry_delay";
+import { retryDelay } from "./download";
 
 const MOST_PATIENCE = 8;
 /** Closed with one of these, or with 4000 and above, the server would refuse again. */

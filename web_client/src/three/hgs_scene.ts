@@ -4,14 +4,13 @@ import { type Camera, Object3D, type PerspectiveCamera, type WebGLRenderer } fro
 import type { Manifest } from "../codec/types";
 import { type Asked, asked, withMediaApi } from "../player/media_api";
 import { checkedSplats } from "../renderer/fineness";
-import type { Playback } from "../scene/playback";
-import { ProgressEvents } from "../scene/playback_events";
+import { type Playback, ProgressEvents } from "../scene/playback";
 import { StreamedScene } from "../scene/streamed_scene";
 import { openSource } from "../source/open_source";
-import { lookFrom } from "./capture_view";
 import type { HgsSceneEventMap, HgsSceneEvents, HgsSceneOptions } from "./hgs_scene_events";
 import { HostPictures } from "./host_pictures";
 import { HostSound } from "./host_sound";
+import { lookFrom } from "./host_view";
 import { SplatMesh } from "./splat_mesh";
 
 export type { HgsSceneEventMap, HgsSceneEvents, HgsSceneOptions };

@@ -7,8 +7,7 @@ import { eyeOf } from "../camera/pinhole";
 import { length, subtract } from "../camera/vector";
 import { TEXTURE_WIDTH } from "../renderer/layout";
 import type { OrderKey } from "../scene/order_requests";
-import { sameSight, sightOf } from "../scene/sight";
-import type { View } from "../scene/view";
+import { sameSight, sightOf, type View } from "../scene/view";
 
 export type Views = readonly [View, ...View[]];
 

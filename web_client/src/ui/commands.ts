@@ -1,15 +1,35 @@
 /** All that keys and the settings do with a player, and what they open over its picture. */
 
 import { FlyMode } from "../camera/fly_mode";
+import { element } from "../dom/element";
 import type { HgsPlayer } from "../player/hgs_player";
 import type { Bookmarks } from "./bookmarks";
 import { obey, playerKeys } from "./key_bindings";
 import { LatePart } from "./late_part";
-import { Message } from "./message";
 import { Panels } from "./panels";
 import { PlayerActions } from "./player_actions";
 import type { PageTool, WholePage } from "./player_view_options";
 import type { SharedView } from "./shared_view";
+
+/** Long enough to read a line, milliseconds. */
+const STAY = 2500;
+
+export class Message {
+  readonly node = element("p", { class: "message", role: "status" });
+  #timer: ReturnType<typeof setTimeout> | undefined;
+
+  constructor(signal: AbortSignal) {
+    signal.addEventListener("abort", () => clearTimeout(this.#timer));
+  }
+
+  say(text: string): void {
+    clearTimeout(this.#timer);
+    this.node.textContent = text;
+    this.#timer = setTimeout(() => {
+      this.node.textContent = "";
+    }, STAY);
+  }
+}
 
 /** The player's view, as far as commands reach it. */
 export interface CommandSurroundings {

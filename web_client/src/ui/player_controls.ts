@@ -5,9 +5,9 @@ import { element, icon } from "../dom/element";
 import { BACK, FULLSCREEN, SETTINGS } from "../dom/icons";
 import { adoptStyle } from "../dom/shadow_style";
 import type { HgsPlayer } from "../player/hgs_player";
+import { offeredModes } from "../xr/offer";
 import type { Bookmarks } from "./bookmarks";
-import { offerHeadset } from "./headset_offer";
-import { IdleHiding } from "./idle_hiding";
+import { LatePart } from "./late_part";
 import css from "./player_controls.css?inline";
 import { Transport } from "./transport";
 
@@ -101,4 +101,60 @@ function dress(round: HTMLElement, label: string, path: string): HTMLElement {
   round.setAttribute("aria-label", label);
   round.append(icon(path));
   return round;
+}
+
+/** An element that holds the buttons as soon as there is a use for them, until the player is disposed of. */
+export function offerHeadset(player: HgsPlayer, shadow: ShadowRoot): HTMLElement {
+  const place = element("div");
+  const { xr } = navigator;
+  const buttons = new LatePart(
+    async () => {
+      const { HeadsetButtons } = await import("./headset_buttons"); // for those who have a headset
+      return new HeadsetButtons(player, shadow);
+    },
+    // biome-ignore lint/suspicious/noConsole: nobody has asked for a headset yet
+    (message, cause) => console.warn(message, cause),
+    player.disposed,
+  );
+  const offer = async (): Promise<void> => {
+    if ((await offeredModes(xr)).length > 0) buttons.use(({ node }) => place.replaceChildren(node));
+  };
+  void offer();
+  xr?.addEventListener("devicechange", () => void offer(), { signal: player.disposed });
+  return place;
+}
+
+const IDLE = 3000; // ms
+
+export class IdleHiding {
+  #timer: ReturnType<typeof setTimeout> | undefined;
+
+  /** @param keys where the player's keys are heard. */
+  constructor(
+    readonly root: HTMLElement,
+    keys: EventTarget,
+    readonly playing: () => boolean,
+    signal: AbortSignal,
+  ) {
+    for (const type of ["pointermove", "pointerdown", "focusin"]) {
+      root.addEventListener(type, () => this.#wake(), { signal, passive: true });
+    }
+    keys.addEventListener("keydown", () => this.#wake(), { signal, passive: true });
+    signal.addEventListener("abort", () => clearTimeout(this.#timer));
+    this.#wake();
+  }
+
+  #wake(): void {
+    this.root.classList.remove("idle");
+    clearTimeout(this.#timer);
+    this.#timer = setTimeout(() => this.#sleep(), IDLE);
+  }
+
+  #sleep(): void {
+    const used = this.root.querySelector(
+      ".transport :focus-visible, .top-bar :focus-visible, .menu:not([hidden]), dialog[open]",
+    );
+    if (this.playing() && !used) this.root.classList.add("idle");
+    else this.#timer = setTimeout(() => this.#sleep(), IDLE);
+  }
 }

@@ -10,11 +10,10 @@ import { toggleFullscreen } from "./full_screen";
 import { listenForKeys, mayBeObeyed } from "./key_listener";
 import { LatePart } from "./late_part";
 import { Notices } from "./notices";
-import { pauseOutOfSight } from "./out_of_sight";
 import css from "./player.css?inline";
 import type { PlayerControls } from "./player_controls";
 import type { PlayerViewOptions } from "./player_view_options";
-import { togglePlaying } from "./playing";
+import { pauseOutOfSight, togglePlaying } from "./playing";
 import { steering } from "./steering";
 
 const LABEL = "Scene; drag to turn, click to play or pause, press ? for all keys";

@@ -1,10 +1,9 @@
 /** The page's end of the worker: everything that is said to it and heard from it passes here. */
 
 import type { Manifest } from "../codec/types";
-import { decompressor } from "./decompressor";
 import type { DecodedSplats, FromWorker, OrderedSplats, ToWorker } from "./messages";
 import type { OrderRequest } from "./splat_order";
-import { startWorker } from "./start_worker";
+import { decompressor, startWorker } from "./start_worker";
 
 export interface SceneWorkerEvents {
   /** A chunk's splats, packed for the renderer. */

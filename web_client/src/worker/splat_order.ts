@@ -3,14 +3,13 @@
  * they have moved to by then; without those that the picture cannot show.
  */
 
-import { chunksOf, sliceAt } from "../codec/slices";
+import { chunksOf, sliceAt } from "../codec/manifest_chunks";
 import type { DecodedChunk, Manifest } from "../codec/types";
-import { isDynamic, TEXTURE_WIDTH } from "../renderer/layout";
+import { isDynamic, type StaticPlacement, TEXTURE_WIDTH } from "../renderer/layout";
 import { BLOCK, StaticBlocks } from "./blocks";
 import { type SplatDepth, sameDepth } from "./depth";
 import { Dynamics } from "./dynamics";
 import { type Frustum, sameFrustum } from "./frustum";
-import type { StaticPlacement } from "./placement";
 import { DepthList, mergeBackToFront } from "./sort";
 import { SplatBudget } from "./splat_budget";
 

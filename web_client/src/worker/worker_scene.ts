@@ -1,9 +1,9 @@
 /** What the worker holds of a scene: the chunks as they came, and what is needed of their splats to order them. */
 
 import type { DecodedChunk } from "../codec/types";
+import { placeStatics } from "../renderer/layout";
 import type { FromWorker, ToWorker } from "./messages";
 import { packDynamics, packFifth, packStatics } from "./pack";
-import { placeStatics } from "./placement";
 import { type OrderRequest, SplatOrderer } from "./splat_order";
 
 interface Chunk {

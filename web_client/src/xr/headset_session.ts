@@ -3,8 +3,8 @@
  * although the order of the splats may be of the frame before; one order serves both eyes.
  */
 
+import { startCamera } from "../camera/pinhole";
 import { projectedIntrinsics, type Viewport } from "../camera/projection";
-import { startCamera } from "../camera/start";
 import type { Vec3 } from "../camera/vector";
 import type { HgsPlayer } from "../player/hgs_player";
 import type { SceneCanvas } from "../player/scene_canvas";
@@ -15,10 +15,9 @@ import { type RoomPose, roomPose, scenePose } from "./eye_camera";
 import { EyeLayer, NEAR } from "./eye_layer";
 import type { EyeMatrices } from "./flat_drawer";
 import { Grab, turned } from "./grab";
-import { requestSpace } from "./headset_space";
 import { Panel } from "./panel";
 import type { Similarity } from "./similarity";
-import { standingPlace } from "./standing_place";
+import { requestSpace, standingPlace } from "./standing_place";
 import { panelState, sceneCommands } from "./transport";
 
 /** Splats closer to an eye than this fade, so that nothing pops as the head moves, metres. */

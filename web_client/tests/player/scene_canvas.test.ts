@@ -6,8 +6,10 @@ import type { SceneSource, SourceEvents } from "../../src/source/scene_source";
 import { fakeCanvas } from "../canvas";
 import { twoSegments, WorkerDouble } from "../worker_double";
 
-vi.mock("../../src/worker/start_worker", () => ({ startWorker: () => new WorkerDouble() }));
-vi.mock("../../src/worker/decompressor", () => ({ decompressor: () => new Promise(() => {}) }));
+vi.mock("../../src/worker/start_worker", () => ({
+  startWorker: () => new WorkerDouble(),
+  decompressor: () => new Promise(() => {}),
+}));
 
 const view: View = {
   pose: { rotation: [1, 0, 0, 0, 1, 0, 0, 0, 1], translation: [0, 0, 0] },
