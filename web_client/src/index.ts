@@ -1,4 +1,4 @@
-/** `@hgs/player`: plays moving scenes of Gaussian splats on any page. See docs/embedding.md. */
+/** `@hgs/player`: a player of moving scenes of Gaussian splats for any page. See docs/embedding.md. */
 
 export type { Vec3 } from "./camera/vector";
 export type { Manifest, ManifestCamera } from "./codec/types";

@@ -5,10 +5,10 @@ import { ChunkError } from "./errors";
 
 export const TRANSFORM = { none: 0, delta: 1, chain: 2 } as const;
 
-/** The bit of "form" that says that a splat's rotation changes; the two bits below it hold the order of its motion. */
+/** The bit of a form for splats with a changing rotation. The two bits below it hold the order of motion. */
 export const TURNS = 4;
 
-/** The bit of "form" that says that a motion of order 3 goes on to the fifth order. */
+/** The bit of a form for motions of order 3 that continue to the fifth order. */
 export const FIFTH = 8;
 
 export interface Attribute {
@@ -17,12 +17,12 @@ export interface Attribute {
   readonly components: number;
   /** The three codes interleaved, stored as differences of the ascending Morton codes. */
   readonly morton: boolean;
-  /** The largest number of a transform it may have. */
+  /** The highest transform number that the attribute may have. */
   readonly lastTransform: number;
   readonly dynamicOnly: boolean;
-  /** Order of motion, TURNS or FIFTH, that a splat must have to have a row; 0: every splat has one. */
+  /** Order of motion, TURNS or FIFTH, required for a row; 0 if every splat has one. */
   readonly rowsOf: number;
-  /** Of the format, from which on it is known. */
+  /** First version of the format with this attribute. */
   readonly version: number;
 }
 

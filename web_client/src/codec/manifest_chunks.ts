@@ -1,8 +1,8 @@
-/** The chunks of a manifest: the slice that is shown at a time, its chunks, and the layers of them (docs/format.md, "Layers"). */
+/** The chunks of a manifest: the slice shown at a time, its chunks, and their layers (docs/format.md, "Layers"). */
 
 import type { ChunkEntry, Manifest, SliceEntry } from "./types";
 
-/** The index of the slice that is shown at `time`: the last that has started, or the first; -1 if there is none. */
+/** The index of the slice shown at `time`: the last that has started, or else the first; -1 if there is none. */
 export function sliceAt(slices: readonly SliceEntry[], time: number): number {
   let low = 0;
   let high = slices.length;
@@ -23,13 +23,13 @@ export function chunksBetween(slices: readonly SliceEntry[], from: number, until
   return first < 0 ? [] : slices.slice(first, last + 1).flatMap(chunksOf);
 }
 
-/** The base of the static chunks has at least a fourth of their bytes, and that of a slice's a third. */
+/** The base has at least a fourth of the bytes of the static chunks, and a third of those of a slice. */
 const STATIC_PART = 4;
 const SLICE_PART = 3;
 
 export interface Layered {
   readonly chunk: ChunkEntry;
-  /** 0 is the base of its list; 1 and above refine it. */
+  /** 0 for the base of its list; 1 and above for refinements. */
   readonly layer: number;
 }
 
@@ -37,7 +37,7 @@ export interface Layered {
 export function layersOf({ static: stills, slices }: Manifest): ReadonlyMap<string, Layered> {
   const layers = new Map<string, Layered>();
   const add = (chunks: readonly ChunkEntry[], part: number): void => {
-    let lacking = chunks.reduce((sum, { bytes }) => sum + bytes, 0); // of the base, times `part`
+    let lacking = chunks.reduce((sum, { bytes }) => sum + bytes, 0); // bytes that the base still lacks, times `part`
     let layer = 0;
     for (const chunk of chunks) {
       if (lacking <= 0) layer++;

@@ -1,4 +1,4 @@
-/** The page of one job: how far it is, how well it goes, what it does, and what came of it. */
+/** The page of one job: its progress, its figures, its log, and its result. */
 
 import { element, setText } from "../dom/element";
 import {
@@ -42,7 +42,7 @@ export class JobPicture {
 
   constructor(readonly job: string) {}
 
-  /** Show the picture of a version; the one before stays until it has come. */
+  /** Show the picture of a version; the previous one stays until it has loaded. */
   show(version: string | null): void {
     if (version === null || version === this.#version) return;
     this.#version = version;
@@ -55,13 +55,13 @@ export class JobPicture {
         this.#shown = picture;
       },
       () => {
-        if (version === this.#version) this.#version = null; // it was replaced meanwhile: look again
+        if (version === this.#version) this.#version = null; // it was replaced meanwhile: try again
       },
     );
   }
 }
 
-const LOOK = 3000; // ms between two looks at what no event tells: the picture, the place in the queue, the log
+const LOOK = 3000; // ms between two requests for data without events: picture, queue, log
 
 export function showJobPage(root: HTMLElement, id: string): void {
   document.title = "Job · HGS";
@@ -138,7 +138,7 @@ class JobView {
     this.#follow();
   }
 
-  /** Follow the job from what it is now. */
+  /** Follow the job from its present state. */
   #follow(): void {
     this.#show(this.job);
     this.#stop();
@@ -147,7 +147,7 @@ class JobView {
     void this.#look();
   }
 
-  /** Take up what the server kept of the job's course. */
+  /** Load the stored course of the job. */
   #readCourse(): void {
     getJobHistory(this.job.id, this.signal).then(
       (points) => {
@@ -187,11 +187,11 @@ class JobView {
     this.#chart.show(this.#course);
     this.#log.follow(!isFinal(job));
     if (!ended) return;
-    this.#readCourse(); // news are thinned out: the last report of a stage may have been left out
+    this.#readCourse(); // news are thinned out: a stage's last report may be missing
     void this.#look();
   }
 
-  /** Look at what no event tells, and again later while the job goes on. */
+  /** Request the data that no event reports, and again later while the job continues. */
   async #look(): Promise<void> {
     clearTimeout(this.#timer);
     try {

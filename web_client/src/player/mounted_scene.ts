@@ -1,4 +1,4 @@
-/** One scene in an element of a page: its canvas, its player and its viewpoint, from loading until another is loaded. */
+/** One scene in an element of a page: its canvas, its player and its viewpoint, until another scene is loaded. */
 
 import type { Manifest } from "../codec/types";
 import type { PlayerClock } from "../scene/clock";
@@ -30,7 +30,11 @@ export class MountedScene {
   readonly #failed: Promise<never>;
   #fail: (error: Error) => void = () => {};
 
-  /** @throws Error if the browser has no WebGL2. */
+  /**
+   * Mount a scene.
+   *
+   * @throws Error if the browser has no WebGL2.
+   */
   constructor(
     stage: HTMLElement,
     { open, time, playing, antialiased, memoryBudget, viewpoint }: MountedSceneOptions,
@@ -39,7 +43,7 @@ export class MountedScene {
     this.#failed = new Promise((_, reject) => {
       this.#fail = reject;
     });
-    this.#failed.catch(() => {}); // for whoever waits; all others hear of it by the event
+    this.#failed.catch(() => {}); // callers of settled() handle it, all others the event
     const { signal } = this.#abort;
     const { canvas } = this;
     Object.assign(canvas.style, { position: "absolute", inset: "0", width: "100%", height: "100%", display: "block" });
@@ -83,12 +87,12 @@ export class MountedScene {
     return this.player.playback?.clock ?? null;
   }
 
-  /** Fulfilled when all of what is to be seen at the playhead is drawn; rejected if that cannot be. */
+  /** Fulfilled when everything visible at the playhead is drawn; rejected on failure. */
   settled(): Promise<void> {
     return Promise.race([this.player.settled(), this.#failed]);
   }
 
-  /** Aborts when it is taken away. */
+  /** Signal that aborts when the scene is removed. */
   get gone(): AbortSignal {
     return this.#abort.signal;
   }

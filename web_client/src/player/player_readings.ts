@@ -1,4 +1,4 @@
-/** What there is to see and to read of the scene that a player shows. */
+/** The readings of a player: the manifest, pictures and statistics of its scene. */
 
 import type { Manifest } from "../codec/types";
 import type { Pixels } from "../renderer/shot";
@@ -12,15 +12,15 @@ import type { SceneCanvas } from "./scene_canvas";
 const Target = EventTarget as new () => HgsPlayerListening & EventTarget;
 
 export abstract class PlayerReadings extends withMediaApi(Target) {
-  /** The scene that is there; null without one. */
+  /** The present scene; null without one. */
   protected abstract readonly mounted: MountedScene | null;
 
-  /** What the scene says of itself; null until it has come. */
+  /** The scene's manifest; null until it has arrived. */
   get manifest(): Manifest | null {
     return this.mounted?.manifest ?? null;
   }
 
-  /** Of the picture, in its own pixels; 0 without one. */
+  /** Width of the picture, in its own pixels; 0 without one. */
   get width(): number {
     return this.mounted?.canvas.width ?? 0;
   }
@@ -29,12 +29,12 @@ export abstract class PlayerReadings extends withMediaApi(Target) {
     return this.mounted?.canvas.height ?? 0;
   }
 
-  /** The scene that is there, for a loop of frames other than the page's, such as a headset's; null without one. */
+  /** The present scene, for a loop of frames other than the page's, such as a headset's; null without one. */
   get scene(): SceneCanvas | null {
     return this.mounted?.player ?? null;
   }
 
-  /** Figures of the scene that is there; null without one. */
+  /** Statistics of the present scene; null without one. */
   get statistics(): PlayerStats | null {
     return this.mounted?.player.stats ?? null;
   }
@@ -49,14 +49,14 @@ export abstract class PlayerReadings extends withMediaApi(Target) {
   }
 
   /**
-   * The picture as a file, as finely drawn as it can be, whatever the quality is.
+   * The picture as a file, in the best fineness, independent of the quality.
    *
    * @param type such as `image/png` or `image/jpeg`.
    * @throws Error if nothing has been drawn yet.
    */
   async screenshot(type = "image/png"): Promise<Blob> {
     const pixels = this.#read("finest");
-    const { pictureFile } = await import("./picture_file"); // few ask for it
+    const { pictureFile } = await import("./picture_file"); // rarely used
     return pictureFile(pixels, type);
   }
 

@@ -1,15 +1,15 @@
-/** Which chunks are here, and which moments can be shown with them. */
+/** The buffer: received chunks, and the moments that can be shown with them. */
 
 import { chunksOf, type Layered, layersOf, sliceAt } from "../codec/manifest_chunks";
 import type { Manifest } from "../codec/types";
 import { ChunkStates } from "./chunk_states";
 
-/** Nobody knows how fast the line will be then, seconds. */
+/** Longest forecast of the line's rate, seconds. */
 const FORESEEN = 10;
 
 export class SceneBuffer {
   readonly states = new ChunkStates();
-  #layers: ReadonlyMap<string, Layered>; // of all chunks
+  #layers: ReadonlyMap<string, Layered>; // layers of all chunks
 
   constructor(readonly manifest: Manifest) {
     this.#layers = layersOf(manifest);
@@ -20,19 +20,19 @@ export class SceneBuffer {
     this.#layers = layersOf(this.manifest);
   }
 
-  /** True if every dynamic splat alive at `time` is here, or cannot be had. */
+  /** True if every dynamic splat alive at `time` is drawn, or lost. */
   ready(time: number): boolean {
     return this.#here(this.#shownAt(time), true);
   }
 
-  /** True if the base layers of all that is shown at `time` are here: what is missing refines the picture. */
+  /** True if the base layers of all chunks shown at `time` are there: missing ones only refine the picture. */
   playable(time: number): boolean {
     return this.#here([...this.#statics, ...this.#shownAt(time)], false);
   }
 
   /**
-   * Whether playing from `time` on, at `rate`, is likely not to wait for what comes at so many bytes per second, or not within
-   * `reserve` seconds.
+   * Whether playing from `time` on, at `rate`, is likely not to stall within `reserve` seconds if the line brings so
+   * many bytes per second.
    */
   lasts(time: number, rate: number, bytesPerSecond: number, reserve: number): boolean {
     const { slices } = this.manifest;
@@ -54,12 +54,12 @@ export class SceneBuffer {
     return this.#here(this.#statics, true);
   }
 
-  /** True if the whole scene is here, or was: what has made room since can be fetched. One that grows is never whole. */
+  /** True if the whole scene was received: evicted chunks can be fetched. A growing scene is never complete. */
   get complete(): boolean {
     return this.manifest.live === null && this.states.size === this.#layers.size;
   }
 
-  /** The stretches of time that can be played, as disjoint [start, end] in order. */
+  /** The playable stretches of time, as disjoint [start, end] in order. */
   ranges(): [number, number][] {
     const { slices, start, end } = this.manifest;
     if (slices.length === 0) return [[start, end]];
@@ -83,7 +83,7 @@ export class SceneBuffer {
     return this.manifest.static.map((chunk) => chunk.id);
   }
 
-  /** Whether none of the chunks, or none of the base layers among them, is still to come. */
+  /** Whether all of the chunks, or at least the base layers among them, are there. */
   #here(ids: readonly string[], all: boolean): boolean {
     return ids.every((id) => this.states.settled(id) || (!all && this.#layers.get(id)?.layer !== 0));
   }

@@ -1,11 +1,11 @@
-/** The states of a scene's chunks, in one table for all that decode, evict, draw and count them. */
+/** The states of a scene's chunks, in one table for decoding, eviction, drawing and statistics. */
 
 export type ChunkState =
-  /** Received, and not decoded yet: there is no room. */
+  /** Received, and not decoded yet for want of room. */
   | { readonly at: "waiting"; readonly bytes: Uint8Array<ArrayBuffer> }
   /** `rows` of the texture are the chunk's; none for a static one, which has its place for good. */
   | { readonly at: "decoding" | "drawn"; readonly rows: readonly number[] }
-  /** Received before, and not in memory now. Only an evicted chunk is fetched again; a damaged one may be sent again. */
+  /** Received before, and not in memory now. Evicted chunks are fetched again; damaged ones may be sent again. */
   | { readonly at: "evicted" | "fetching" | "damaged" };
 
 /** The state of each chunk that was received, the static ones from their decoding on; and the chunks that are lost. */
@@ -22,7 +22,7 @@ export class ChunkStates extends Map<string, ChunkState> {
     if (this.get(id)?.at !== "drawn") this.#lost.add(id);
   }
 
-  /** Whether nothing is waited for: the chunk is drawn, or lost. */
+  /** Whether there is nothing to wait for: the chunk is drawn, or lost. */
   settled(id: string): boolean {
     return this.get(id)?.at === "drawn" || this.#lost.has(id);
   }

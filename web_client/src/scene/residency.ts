@@ -1,6 +1,6 @@
 /**
- * Which of the chunks that move are in memory: those that the playhead needs first, as many as the textures hold. What it
- * has passed makes room, and is fetched again when its turn comes. Chunks that come too early wait as they came.
+ * The dynamic chunks in memory: as many as fit into the textures, in the order in which the playhead needs them. Passed
+ * chunks make room, and are fetched again later. Chunks that arrive too early wait in compressed form.
  */
 
 import { chunksOf, sliceAt } from "../codec/manifest_chunks";
@@ -8,21 +8,21 @@ import type { ChunkEntry, Manifest } from "../codec/types";
 import { rowsOf } from "../renderer/layout";
 import type { ChunkState, ChunkStates } from "./chunk_states";
 
-/** Chunks fetched again at once. */
+/** Parallel fetches of evicted chunks. */
 const PARALLEL = 4;
-/** Pause after a chunk could not be fetched, milliseconds. */
+/** Pause after a failed fetch, milliseconds. */
 const PAUSE = 2000;
-/** What waits may be so much, bytes, while the source still owes what is needed sooner: else the source would wait for us. */
+/** Most bytes of waiting chunks while the source still owes more urgent ones: else the source would wait for us. */
 const MOST_WAITING = 8 << 20;
 
 export interface ResidencyEvents {
   /** Decode a chunk into these rows; answered by `decoded`, or by `lost`. */
   decode(id: string, bytes: Uint8Array<ArrayBuffer>, rows: readonly number[]): void;
-  /** The chunk's rows are given to others. */
+  /** The chunk's rows are reused. */
   evicted(id: string): void;
-  /** A chunk that waited was let go of undecoded. */
+  /** A waiting chunk was dropped undecoded. */
   dropped(id: string): void;
-  /** `update` has something to do. */
+  /** There is work for `update`. */
   changed(): void;
 }
 
@@ -30,8 +30,8 @@ export class Residency {
   readonly #pool: RowPool;
   readonly #chunks = new Map<string, ChunkEntry>();
   readonly #abort = new AbortController();
-  #ranking: string[] = []; // all chunks, those first that the playhead needs first
-  #slice = -1; // of the ranking; -1 while there is none
+  #ranking: string[] = []; // all chunks, most urgent first
+  #slice = -1; // slice of the ranking; -1 without one
   #stale = true;
 
   /**
@@ -49,21 +49,21 @@ export class Residency {
     this.grow();
   }
 
-  /** The manifest names all that it will, or has become a later version. */
+  /** The manifest is complete, or has become a later version. */
   grow(): void {
     for (const { chunks } of this.manifest.slices) for (const chunk of chunks) this.#chunks.set(chunk.id, chunk);
     this.#slice = -1;
   }
 
-  /** Whether the chunk is of those that come and go. */
+  /** Whether a chunk is dynamic. */
   concerns(id: string): boolean {
     return this.#chunks.has(id);
   }
 
-  /** A chunk has come. */
+  /** A chunk has arrived. */
   offer(id: string, bytes: Uint8Array<ArrayBuffer>): void {
     const state = this.states.get(id);
-    // A damaged chunk arrives once more, and its rows are still its own.
+    // A damaged chunk has arrived again, and still has its rows.
     if (state?.at === "decoding") this.events.decode(id, bytes, state.rows);
     else if (state?.at !== "drawn") this.#set(id, { at: "waiting", bytes });
   }
@@ -74,7 +74,7 @@ export class Residency {
     if (!state || state.at === "decoding") this.#set(id, { at: "drawn", rows: state?.rows ?? [] });
   }
 
-  /** A chunk cannot be decoded, for good. */
+  /** A chunk is damaged for good. */
   lost(id: string): void {
     const state = this.states.get(id);
     if (state?.at !== "decoding") return;
@@ -83,7 +83,7 @@ export class Residency {
     this.#stale = true;
   }
 
-  /** Make the best of the memory for a playhead at `time`, seconds; what orders show by `shown` stays where it is. */
+  /** Use the memory best for a playhead at `time`, seconds; chunks of the displayed orders, `shown`, stay. */
   update(time: number, shown: () => ReadonlySet<string>): void {
     const slice = sliceAt(this.manifest.slices, time);
     if (slice !== this.#slice) this.#rank(slice);
@@ -102,12 +102,12 @@ export class Residency {
     if ([...wanted].some((id) => this.#owed(id))) this.#dropWaiting(wanted);
   }
 
-  /** Fetch and report nothing any more. */
+  /** Stop fetching and reporting. */
   dispose(): void {
     this.#abort.abort();
   }
 
-  /** All chunks from a slice on, around the loop. */
+  /** Rank all chunks from a slice on, around the loop. */
   #rank(slice: number): void {
     const { slices } = this.manifest;
     const ids = slices.flatMap((_, i) => chunksOf(slices[(slice + i) % slices.length]));
@@ -115,7 +115,7 @@ export class Residency {
     this.#slice = slice;
   }
 
-  /** The first of the ranking that fit into the texture together. */
+  /** The most urgent chunks that fit into the texture together. */
   #wanted(): Set<string> {
     const wanted = new Set<string>();
     let rows = 0;
@@ -127,7 +127,7 @@ export class Residency {
     return wanted;
   }
 
-  /** Returns false if there is no room yet. */
+  /** Decode a chunk if there is room; returns false if there is none yet. */
   #admit(id: string, bytes: Uint8Array<ArrayBuffer>, wanted: Set<string>, shown: () => ReadonlySet<string>): boolean {
     const count = this.#rowsOf(id);
     const stays = this.#pool.free < count ? shown() : null;
@@ -140,7 +140,7 @@ export class Residency {
       this.events.evicted(victim);
     }
     if (this.#pool.free < count) {
-      this.#stale = true; // what is shown now will not be for long
+      this.#stale = true; // retry when the displayed orders have changed
       return false;
     }
     const rows = this.#pool.take(count);
@@ -161,7 +161,7 @@ export class Residency {
     }
   }
 
-  /** The farthest that wait, while they are too much. */
+  /** Drop the least urgent waiting chunks beyond the limit. */
   #dropWaiting(wanted: Set<string>): void {
     let sum = 0;
     for (const id of this.#ranking) {
@@ -174,7 +174,7 @@ export class Residency {
     }
   }
 
-  /** Whether only the source can bring the chunk: it never has, or damaged. */
+  /** Whether only the source can bring the chunk: it has not arrived, or only damaged. */
   #owed(id: string): boolean {
     const state = this.states.get(id);
     return !state || state.at === "damaged";
@@ -203,7 +203,11 @@ export class RowPool {
     return this.#free.length;
   }
 
-  /** @throws RangeError if there are not so many. */
+  /**
+   * Take rows.
+   *
+   * @throws RangeError if there are not so many.
+   */
   take(count: number): number[] {
     if (count > this.#free.length)
       throw new RangeError(`${count} rows are asked for, and ${this.#free.length} are free`);

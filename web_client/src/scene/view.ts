@@ -1,4 +1,4 @@
-/** Views of a scene, and the depth and the frustum by which splats are ordered for them. */
+/** Views of a scene, and the depth and frustum for ordering splats in them. */
 
 import { eyeOf, type Intrinsics, type Pose } from "../camera/pinhole";
 import { add, length, scale, subtract } from "../camera/vector";
@@ -30,13 +30,13 @@ export function sameView(a: View | null, b: View): boolean {
 
 export interface Sight {
   readonly depth: SplatDepth;
-  /** Null if splats all around are ordered. */
+  /** Null to order splats all around. */
   readonly frustum: Frustum | null;
 }
 
 /**
- * For one view: its depth as docs/numerics.md states it, and what its picture can show. For several, as of a headset:
- * the distance from the middle of the eyes and all there is, so that a head may turn without a new order.
+ * The sight of one view: its depth as in docs/numerics.md, and its frustum. For several views, as of a headset: the
+ * distance from the middle of the eyes and no frustum, so that a head may turn without a new order.
  */
 export function sightOf(views: readonly [View, ...View[]]): Sight {
   const [{ pose, camera }] = views;
@@ -63,7 +63,7 @@ function distance(views: readonly View[]): SplatDepth {
     1 / eyes.length,
   );
   const apart = Math.max(...eyes.map((eye) => length(subtract(eye, middle))));
-  // An eye may be nearer to a splat than the middle is; what is too near to it the shader leaves out.
+  // An eye may be nearer to a splat than the middle; the shader omits splats that are too near to it.
   const near = Math.max(0, Math.min(...views.map((view) => view.camera.near)) - apart);
   return { kind: "radial", x: middle[0], y: middle[1], z: middle[2], near };
 }

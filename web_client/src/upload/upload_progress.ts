@@ -4,23 +4,23 @@ import { formatBytes } from "../dom/format";
 import type { Transfer } from "./transfer";
 
 const WINDOW = 10; // seconds
-const LEAST = 2; // seconds before anything is said
+const LEAST = 2; // seconds before the first estimate
 
 export class Speed {
   #samples: { readonly time: number; readonly bytes: number }[] = [];
 
-  /** Note how many bytes there are in all at a time in seconds. */
+  /** Note the total of bytes at a time in seconds. */
   note(bytes: number, time: number): void {
     this.#samples.push({ time, bytes });
     while (this.#samples.length > 2 && this.#samples[1].time < time - WINDOW) this.#samples.shift();
   }
 
-  /** Begin anew, after a pause. */
+  /** Start again, after a pause. */
   reset(): void {
     this.#samples = [];
   }
 
-  /** Bytes per second; null while nobody can tell. */
+  /** Bytes per second; null while unknown. */
   perSecond(): number | null {
     const first = this.#samples[0];
     const last = this.#samples.at(-1);
@@ -29,7 +29,7 @@ export class Speed {
   }
 }
 
-/** "about 3 min left"; "" while nobody can tell. */
+/** "about 3 min left"; "" while unknown. */
 export function describeRest(bytes: number, perSecond: number | null): string {
   if (perSecond === null) return "";
   const seconds = bytes / perSecond;
