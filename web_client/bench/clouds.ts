@@ -1,10 +1,9 @@
 /** Clouds of splats in Morton order, as chunks hold them, and a camera that turns. */
 
-import type { Intrinsics, Pose } from "../src/camera/pinhole";
-import { poseAt } from "../src/camera/pinhole";
+import { type Intrinsics, type Pose, poseAt } from "../src/camera/pinhole";
 import type { Manifest, StaticChunk } from "../src/codec/types";
+import { placeStatics, type StaticPlacement } from "../src/renderer/layout";
 import type { PlanarDepth } from "../src/worker/depth";
-import { placeStatics, type StaticPlacement } from "../src/worker/placement";
 import { random } from "../tests/random";
 
 const BITS = 10;

@@ -1,4 +1,4 @@
-/** `@hgs/player`: plays moving scenes of Gaussian splats on any page. See docs/embedding.md. */
+/** `@hgs/player`: a player of moving scenes of Gaussian splats for any page. See docs/embedding.md. */
 
 export type { Vec3 } from "./camera/vector";
 export type { Manifest, ManifestCamera } from "./codec/types";
@@ -14,7 +14,7 @@ export type {
 export type { PlayerCamera } from "./player/player_camera";
 export type { PlayerStats } from "./player/player_types";
 export type { Viewing, ViewpointOptions } from "./player/viewpoint";
-export { QUALITIES, type Quality } from "./renderer/quality_names";
+export { QUALITIES, type Quality } from "./renderer/fineness";
 export type { Pixels } from "./renderer/shot";
 export { openSource } from "./source/open_source";
 export type {

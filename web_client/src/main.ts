@@ -1,11 +1,10 @@
 /**
- * The page: below the server's root the console is at `/`, `/new` and `/job/{job}`, `/view/{scene}` plays a scene, and nothing
- * is at any other address.
+ * The entry of all pages: below the server's root, the console is at `/`, `/new` and `/job/{job}`, the player at
+ * `/view/{scene}`.
  */
 
 import { pageAt } from "./console/page_address";
-import { KEY_NEEDED } from "./protocol/http";
-import { beginSiteAt, pathInSite, siteUrl } from "./protocol/site";
+import { beginSiteAt, KEY_NEEDED, pathInSite, siteUrl } from "./protocol/http";
 import "./ui/style.css";
 import "./console/tokens.css";
 
@@ -14,7 +13,7 @@ addEventListener(KEY_NEEDED, async () => {
   if (!document.body.classList.contains("key-page")) showKeyPage(document.body);
 });
 
-const { url } = import.meta; // of this script, which is one folder below the server's root
+const { url } = import.meta; // address of this script, one folder below the server's root
 beginSiteAt(new URL("..", url).pathname);
 const page = pageAt(pathInSite(location.pathname));
 
@@ -46,7 +45,7 @@ switch (page.kind) {
   }
 }
 
-// A page that comes back from the browser's cache has given its connections and memory back: begin anew.
+// A page from the browser's back-forward cache has given up its connections and memory: start over.
 addEventListener("pageshow", (event) => {
   if (event.persisted) location.reload();
 });

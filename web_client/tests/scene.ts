@@ -1,6 +1,7 @@
 /** Small manifests and chunks for tests. */
 
 import type { Bounds, Box, ChunkEntry, DynamicChunk, Manifest, SliceEntry, StaticChunk } from "../src/codec/types";
+import type { SceneBuffer } from "../src/scene/buffer";
 
 const bounds: Bounds = { position: 0, blur: 0, shape: 0, opacity: 0, rgb: 0 };
 const box: Box = { min: [-1, -1, -1], max: [1, 1, 1] };
@@ -39,6 +40,11 @@ export const manifest = (fields: Partial<Manifest> = {}): Manifest => ({
   capturedSpace: null,
   ...fields,
 });
+
+/** Make a chunk drawn. */
+export function draw(buffer: SceneBuffer, id: string): void {
+  buffer.states.set(id, { at: "drawn", rows: [] });
+}
 
 export function staticChunk(means: number[]): StaticChunk {
   const count = means.length / 3;

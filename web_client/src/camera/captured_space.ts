@@ -1,16 +1,16 @@
 /**
- * Limits of an orbit camera: it moves freely where the pictures of a scene were taken, pulls against a rubber band beyond
- * that, and springs back when let go (docs/format.md, "Captured space").
+ * Limits of an orbit camera: it moves freely in the captured space, against a rubber band beyond it, and springs back
+ * when it is released (docs/format.md, "Captured space").
  *
- * Every function takes null for a space that is not known, which is without limits.
+ * All functions take null for an unknown space, which has no limits.
  */
 
 import type { CapturedSpace } from "../codec/types";
 import { add, cross, dot, length, rotateAbout, scale, subtract, type Vec3 } from "./vector";
 
-/** Where an eye is around the point that it looks at. */
+/** The position of an eye relative to its target. */
 export interface OrbitPose {
-  /** Radians from the front, counter-clockwise seen from above. Beyond pi and below -pi while a drag goes on and on. */
+  /** Radians from the front, counter-clockwise seen from above. A long drag may exceed pi and -pi. */
   readonly azimuth: number;
   /** Radians above the horizon. */
   readonly elevation: number;
@@ -18,9 +18,9 @@ export interface OrbitPose {
   readonly distance: number;
 }
 
-/** What the angles of an orbit pose are counted from. */
+/** The frame of reference of an orbit pose. */
 export interface OrbitFrame {
-  /** What the camera turns about. */
+  /** The centre of the orbit. */
   readonly center: Vec3;
   /** Unit vector. */
   readonly up: Vec3;
@@ -28,14 +28,14 @@ export interface OrbitFrame {
   readonly front: Vec3;
 }
 
-/** How far a rubber band gives way at most: radians, and the logarithm of a factor of the distance. */
+/** The most that the rubber band gives: radians, and the logarithm of a factor of the distance. */
 const GIVE = { angle: 0.2, distance: Math.log(1.5) };
-/** How fast a camera springs back: what is left of the way falls to 1 / e in this time, seconds. */
+/** Speed of springing back: the rest of the way falls to 1 / e in this time, seconds. */
 const SPRING = 0.12;
-/** Share of the give from which on a camera that springs back has arrived. */
+/** Share of the band's give at which a camera that springs back has arrived. */
 const ARRIVED = 1e-3;
 
-/** The pose of an eye; straight above or below the centre the azimuth is 0. */
+/** The pose of an eye; the azimuth is 0 straight above or below the centre. */
 export function orbitPoseOf(eye: Vec3, { center, up, front }: OrbitFrame): OrbitPose {
   const offset = subtract(eye, center);
   const ahead = dot(offset, front);
@@ -47,14 +47,14 @@ export function orbitPoseOf(eye: Vec3, { center, up, front }: OrbitFrame): Orbit
   };
 }
 
-/** Where the eye of a pose is. */
+/** The position of a pose's eye. */
 export function eyeAt(pose: OrbitPose, { center, up, front }: OrbitFrame): Vec3 {
   const ahead = rotateAbout(front, up, pose.azimuth);
   const direction = add(scale(ahead, Math.cos(pose.elevation)), scale(up, Math.sin(pose.elevation)));
   return add(center, scale(direction, pose.distance));
 }
 
-/** Whether the scene can be looked at with trust from there. */
+/** Whether a pose is in the captured space. */
 export function isInside(pose: OrbitPose, space: CapturedSpace | null): boolean {
   if (!space) return true;
   const { azimuth, elevation, distance } = space;
@@ -66,39 +66,41 @@ export function isInside(pose: OrbitPose, space: CapturedSpace | null): boolean 
 }
 
 /**
- * The pose to show for one that a drag asks for: the same inside, and beyond the border ever less beyond, never farther
- * than the rubber band gives.
+ * The displayed pose for the pose of a drag: the same inside, and beyond the border ever less beyond, up to the band's
+ * give.
  *
- * Keep the asked pose while a drag lasts and show this one: limiting what is shown already would pull twice. A drag that
- * begins while the camera springs back begins at `unlimited` of what is shown, so that the picture does not jump.
+ * Keep the drag's pose while it lasts and display this one: limiting a displayed pose would pull twice. A drag that
+ * begins while the camera springs back begins at `unlimited` of the displayed pose, so that the picture does not jump.
  */
 export function limited(asked: OrbitPose, space: CapturedSpace | null): OrbitPose {
   return space ? mapped(asked, space, stretched) : asked;
 }
 
-/** The pose that `limited` shows as `shown`: its inverse, up to what the rubber band gives. */
+/** The inverse of `limited`, up to the band's give. */
 export function unlimited(shown: OrbitPose, space: CapturedSpace | null): OrbitPose {
   return space ? mapped(shown, space, unstretched) : shown;
 }
 
-/** The pose inside that is nearest to `pose` in each of its numbers: where a camera that is let go comes to rest. */
+/** The nearest pose inside, in each number by itself: the rest position of a released camera. */
 export function nearestInside(pose: OrbitPose, space: CapturedSpace | null): OrbitPose {
   return space ? mapped(pose, space, () => 0) : pose;
 }
 
-/** Where a camera that was let go at `shown` is `seconds` later: on its way to `nearestInside`, exactly there in the end. */
+/**
+ * The pose of a camera `seconds` after its release at `shown`: on its way to `nearestInside`, in the end exactly there.
+ */
 export function springBack(shown: OrbitPose, space: CapturedSpace | null, seconds: number): OrbitPose {
   const left = Math.exp(-seconds / SPRING);
   return space ? mapped(shown, space, (beyond, give) => (beyond > ARRIVED * give ? beyond * left : 0)) : shown;
 }
 
-/** Maps by how far a number is beyond its border, at least 0, given how far it may be. */
+/** Map of the distance beyond a border, at least 0, for a largest give. */
 type Beyond = (beyond: number, give: number) => number;
 
-/** Slope 1 at the border, so that the band is not felt as a step; `give` far away. */
+/** Slope 1 at the border, so that the band begins smoothly; `give` far away. */
 const stretched: Beyond = (beyond, give) => (beyond * give) / (beyond + give);
 
-/** A number at the band's very end, or past it, is taken for one near the end: nothing maps to it. */
+/** A number at the band's end or past it counts as near the end: nothing maps to it. */
 const unstretched: Beyond = (beyond, give) => {
   const share = Math.min(beyond / give, 1 - ARRIVED);
   return (share / (1 - share)) * give;

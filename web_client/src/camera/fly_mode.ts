@@ -1,19 +1,19 @@
-/** Flying: keys carry the camera through the scene, and dragging looks around, until it is switched off again. */
+/** Flying: keys move the camera through the scene, and drags look around, until it is switched off. */
 
 import { MotionLoop } from "./motion_loop";
 
-/** What is flown. */
+/** A camera that can fly. */
 export interface Flight {
-  /** To the right, upwards and ahead, as shares of the distance at which the camera began. */
+  /** To the right, upwards and ahead, as shares of the camera's first distance. */
   travel(right: number, up: number, ahead: number): void;
-  /** The keys have been let go. */
+  /** All keys have been released. */
   release(): void;
 }
 
-const SPEED = 0.5; // distances at which the camera began, per second
-const FASTER = 3; // with the shift key
+const SPEED = 0.5; // first distances per second
+const FASTER = 3; // factor with the shift key
 
-/** By where keys lie, not by what is written on them: the same on every keyboard. */
+/** Codes of key positions, not of letters: the same on every keyboard. */
 const DIRECTIONS: Readonly<Record<string, readonly [number, number, number]>> = {
   KeyW: [0, 0, 1],
   KeyS: [0, 0, -1],
@@ -29,7 +29,7 @@ export class FlyMode {
   readonly #held = new Set<string>();
   readonly #loop: MotionLoop;
 
-  /** @param keys where the player's keys are heard. */
+  /** @param keys target of the player's key events. */
   constructor(
     keys: EventTarget,
     readonly flight: Flight,
@@ -37,7 +37,7 @@ export class FlyMode {
   ) {
     this.#loop = new MotionLoop(signal);
     keys.addEventListener("keydown", (event) => this.#press(event as KeyboardEvent), { signal });
-    addEventListener("keyup", (event) => this.#lift(event), { signal }); // wherever the focus is by then
+    addEventListener("keyup", (event) => this.#lift(event), { signal }); // the focus may have moved meanwhile
     addEventListener("blur", () => this.#held.clear(), { signal });
   }
 
@@ -50,7 +50,7 @@ export class FlyMode {
     this.#held.clear();
   }
 
-  /** Whether a key flies now, and so does nothing else. */
+  /** Whether a key is used for flying now, and for nothing else. */
   uses({ code, ctrlKey, metaKey, altKey }: KeyboardEvent): boolean {
     return this.#active && code in DIRECTIONS && !ctrlKey && !metaKey && !altKey;
   }

@@ -1,4 +1,4 @@
-/** Pointer, wheel and touch on the picture, as motions of a camera and as taps. */
+/** Gestures: pointer, wheel and touch on the picture, as camera motions and taps. */
 
 export interface CameraMotion {
   /** Radians. */
@@ -7,17 +7,17 @@ export interface CameraMotion {
   zoom(factor: number): void;
   /** CSS pixels. */
   pan(dx: number, dy: number): void;
-  /** The hand has let go, or this was a step by itself. */
+  /** The end of a motion, or of a single step. */
   release(): void;
-  /** Look at what is seen at a place of the picture, CSS pixels from its top left corner. */
+  /** Look at the scene's point at a place of the picture, CSS pixels from its top left corner. */
   focus(x: number, y: number): void;
 }
 
 const TURN = 0.006; // radians per CSS pixel
-const WHEEL_LINE = 20; // CSS pixels of a wheel that counts lines
-/** A pointer that has moved no farther than this is a tap and no drag, CSS pixels. */
+const WHEEL_LINE = 20; // CSS pixels per line of a wheel that counts lines
+/** Largest movement of a tap, CSS pixels; more is a drag. */
 const SLACK = { mouse: 4, finger: 10 };
-/** A second tap within this makes a double tap, milliseconds; a single one waits as long. */
+/** Longest pause in a double tap, milliseconds; a single tap waits as long. */
 const DOUBLE_TAP = 250;
 
 interface Point {
@@ -26,9 +26,9 @@ interface Point {
 }
 
 export interface GestureOptions {
-  /** Whether the wheel zooms now; if not, it scrolls the page. */
+  /** Whether the wheel zooms now; otherwise it scrolls the page. */
   readonly wheelZooms: () => boolean;
-  /** A tap or click; a double one is none, but moves the camera. */
+  /** A single tap or click; a double one moves the camera instead. */
   readonly onTap: () => void;
 }
 
@@ -41,7 +41,7 @@ export function listenForGestures(
 ): void {
   const pointers = new Map<number, Point>();
   let panning = false;
-  let resting: Point | null = null; // where the only pointer went down, while it may become a tap
+  let resting: Point | null = null; // start of the only pointer, while it may become a tap
   let firstTap: ReturnType<typeof setTimeout> | undefined;
 
   const drag = (id: number, to: Point): void => {
@@ -53,7 +53,7 @@ export function listenForGestures(
       const before = Math.hypot(from.x - other.x, from.y - other.y);
       const after = Math.hypot(to.x - other.x, to.y - other.y);
       if (before > 1 && after > 1) motion.zoom(before / after);
-      motion.pan(dx / 2, dy / 2); // as far as the middle of the two fingers moves
+      motion.pan(dx / 2, dy / 2); // motion of the middle of the two fingers
     } else if (panning) {
       motion.pan(dx, dy);
     } else {
@@ -77,7 +77,7 @@ export function listenForGestures(
     }, DOUBLE_TAP);
   };
 
-  /** A pointer that has rested begins its drag where it leaves the slack, so that the picture does not jump. */
+  /** A drag begins where the pointer leaves the slack, so that the picture does not jump. */
   const move = (event: PointerEvent): void => {
     const to = { x: event.clientX, y: event.clientY };
     if (resting) {

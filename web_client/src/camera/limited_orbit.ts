@@ -1,4 +1,4 @@
-/** An orbit camera that stays where the pictures of its scene were taken: softly, see `captured_space.ts`. */
+/** An orbit camera with the soft limits of `captured_space.ts`. */
 
 import type { CapturedSpace } from "../codec/types";
 import {
@@ -18,9 +18,13 @@ const NUMBERS = ["azimuth", "elevation", "distance"] as const;
 
 export class LimitedOrbit {
   readonly #frame: OrbitFrame;
-  #azimuth = 0; // shown last; tells on which side a camera is that has been pulled past the back
+  #azimuth = 0; // last displayed azimuth; decides the side of a camera that was pulled past the back
 
-  /** @param space where the camera stays, around `center`; null if it is free. */
+  /**
+   * Limit an orbit camera.
+   *
+   * @param space around `center`; null for no limits.
+   */
   constructor(
     readonly camera: OrbitCamera,
     center: Vec3,
@@ -30,7 +34,7 @@ export class LimitedOrbit {
     this.#azimuth = this.#pose().azimuth;
   }
 
-  /** Move the camera; beyond the border of the space it follows ever less. */
+  /** Move the camera; beyond the border it follows ever less. */
   move(change: (camera: OrbitCamera) => void): void {
     const from = this.#pose();
     change(this.camera);
@@ -50,7 +54,7 @@ export class LimitedOrbit {
     );
   }
 
-  /** Whether the camera is beyond the border, where it does not rest. */
+  /** Whether the camera is beyond the border; it does not rest there. */
   get beyond(): boolean {
     const pose = this.#pose();
     const rest = nearestInside(pose, this.space);
@@ -68,11 +72,11 @@ export class LimitedOrbit {
     return {
       azimuth: pose.azimuth + ROUND * Math.round((this.#azimuth - pose.azimuth) / ROUND),
       elevation: pose.elevation,
-      distance: Math.max(pose.distance, 1e-9), // in the centre itself
+      distance: Math.max(pose.distance, 1e-9), // 0 in the centre itself
     };
   }
 
-  /** Bring the camera from one pose to another; inside nothing is rounded. */
+  /** Move the camera from one pose to another; inside, nothing is rounded. */
   #show(from: OrbitPose, to: OrbitPose): void {
     const [yaw, pitch] = [to.azimuth - from.azimuth, to.elevation - from.elevation];
     const factor = to.distance / from.distance;

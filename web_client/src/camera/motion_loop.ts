@@ -1,6 +1,6 @@
-/** A motion that goes on by itself, frame by frame of the browser, until it is over or another begins. */
+/** A motion over many animation frames, until it ends or another begins. */
 
-/** Longest step taken at once, seconds: a page that was hidden does not jump. */
+/** Longest step, seconds: a page that was hidden does not jump. */
 const LONGEST_STEP = 0.1;
 
 export class MotionLoop {

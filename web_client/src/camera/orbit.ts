@@ -1,6 +1,6 @@
 /**
- * Orbit camera. It starts from any pose, turns about a target, and keeps the horizon: dragging sideways turns about the
- * scene's up vector, dragging up and down about the camera's own right axis.
+ * Orbit camera. It starts from any pose, turns about a target, and keeps the horizon: sideways drags turn about the
+ * scene's up vector, upward drags about the camera's right axis.
  */
 
 import { eyeOf, type Pose, poseAt } from "./pinhole";
@@ -19,7 +19,7 @@ import {
   type Vec3,
 } from "./vector";
 
-const POLE_MARGIN = 0.02; // radians; looking exactly along the up vector has no horizon
+const POLE_MARGIN = 0.02; // radians; a view along the up vector has no horizon
 const CLOSEST = 0.02; // share of the first distance
 const FARTHEST = 50;
 
@@ -29,7 +29,9 @@ export class OrbitCamera {
   #distance: number;
   #first: number;
 
-  /** `target` is what the camera turns about; it is moved onto the view axis so that the first picture is exactly `pose`. */
+  /**
+   * `target` is the centre of the orbit; it is moved onto the view axis so that the first picture is exactly `pose`.
+   */
   constructor(
     pose: Pose,
     target: Vec3,
@@ -52,7 +54,7 @@ export class OrbitCamera {
     return subtract(this.#target, scale(row(this.#rotation, 2), this.#distance));
   }
 
-  /** What the camera looks at and turns about. */
+  /** The point that the camera looks at and turns about. */
   get target(): Vec3 {
     return this.#target;
   }
@@ -66,7 +68,7 @@ export class OrbitCamera {
     return this.#distance;
   }
 
-  /** How near the camera has come to the target: 1 at first or farther away, less when closer. */
+  /** The distance to the target relative to the first one, at most 1. */
   get closeness(): number {
     return Math.min(1, this.#distance / this.#first);
   }
@@ -77,7 +79,7 @@ export class OrbitCamera {
     const forward = row(this.#rotation, 2);
     const elevation = Math.asin(Math.max(-1, Math.min(1, -dot(forward, this.up))));
     const limit = Math.PI / 2 - POLE_MARGIN;
-    // Never past a pole, but a first pose beyond the limit may come back.
+    // Never past a pole; but a first pose beyond the limit may return.
     const allowed = Math.max(Math.min(elevation, -limit), Math.min(Math.max(elevation, limit), elevation + pitch));
     const tilt = (v: Vec3): Vec3 => rotateAbout(v, right, elevation - allowed);
     const swing = (v: Vec3): Vec3 => rotateAbout(v, this.up, -yaw);
@@ -91,7 +93,7 @@ export class OrbitCamera {
   /**
    * Look from `eye` at `target`, with `up` upwards in the picture.
    *
-   * @throws RangeError if the three do not say which way to look.
+   * @throws RangeError if the three define no direction.
    */
   place(eye: Vec3, target: Vec3, up: Vec3): void {
     const forward = subtract(target, eye);
@@ -113,22 +115,22 @@ export class OrbitCamera {
     this.#distance = Math.max(this.#first * CLOSEST, Math.min(this.#first * FARTHEST, distance));
   }
 
-  /** Look around from where the camera stands: positive `yaw` to its left, positive `pitch` upwards. Radians. */
+  /** Turn the camera about itself: positive `yaw` to its left, positive `pitch` upwards. Radians. */
   lookAround(yaw: number, pitch: number): void {
     const { eye } = this;
     this.turn(-yaw, -pitch);
     this.#target = add(eye, scale(row(this.#rotation, 2), this.#distance));
   }
 
-  /** Go along the camera's right axis, the scene's up vector and the view axis, as shares of the first distance. */
+  /** Move along the camera's right axis, the scene's up vector and the view axis, by shares of the first distance. */
   travel(right: number, up: number, ahead: number): void {
     const aside = add(scale(row(this.#rotation, 0), right), scale(row(this.#rotation, 2), ahead));
     this.#target = add(this.#target, scale(add(aside, scale(this.up, up)), this.#first));
   }
 
   /**
-   * Carry the camera with all that it sees around `center`: by `yaw` about the scene's up vector, by `pitch` towards it,
-   * both in radians; and then to `factor` times its distance from there, without turning it.
+   * Move the camera with its whole view around `center`: by `yaw` about the scene's up vector, by `pitch` towards it,
+   * both in radians; then to `factor` times its distance, without a turn.
    */
   carry(center: Vec3, yaw: number, pitch: number, factor: number): void {
     const level = normalise(cross(subtract(this.eye, center), this.up), row(this.#rotation, 0));
@@ -141,7 +143,7 @@ export class OrbitCamera {
     this.#target = add(add(center, scale(offset, factor)), scale(z, this.#distance));
   }
 
-  /** Move camera and target across the picture so that the target follows a drag of (dx, dy) pixels. */
+  /** Move camera and target across the picture, so that the target follows a drag of (dx, dy) pixels. */
   pan(dx: number, dy: number, focal: number): void {
     const s = this.#distance / focal;
     const shift = add(scale(row(this.#rotation, 0), -dx * s), scale(row(this.#rotation, 1), -dy * s));

@@ -1,17 +1,18 @@
 /**
- * Pinhole cameras in the OpenCV convention (x right, y down, z forward; pixel centres at +0.5), and the one place where
- * they meet WebGL's clip space (y up).
+ * Pinhole cameras in the OpenCV convention (x right, y down, z forward; pixel centres at +0.5), and their only
+ * conversion to WebGL's clip space (y up).
  */
 
+import type { Manifest } from "../codec/types";
 import { add, apply, type Mat3, row, scale, subtract, type Vec3 } from "./vector";
 
-/** A camera-space point is `rotation` p + `translation`; rotation is world-to-camera, row-major. */
+/** A camera's pose: `rotation` p + `translation` is in camera space; the rotation is world-to-camera, row-major. */
 export interface Pose {
   readonly rotation: Mat3;
   readonly translation: Vec3;
 }
 
-/** In pixels, but for `near`; (cx, cy) is the principal point, from the top left corner. */
+/** Intrinsics in pixels, except `near`; (cx, cy) is the principal point, from the top left corner. */
 export interface Intrinsics {
   readonly width: number;
   readonly height: number;
@@ -19,7 +20,7 @@ export interface Intrinsics {
   readonly fy: number;
   readonly cx: number;
   readonly cy: number;
-  /** World units; splats whose centre is nearer are not drawn. */
+  /** World units; splats with a nearer centre are not drawn. */
   readonly near: number;
 }
 
@@ -38,7 +39,7 @@ export function eyeOf(pose: Pose): Vec3 {
   return scale(add(add(scale(row(r, 0), t[0]), scale(row(r, 1), t[1])), scale(row(r, 2), t[2])), -1);
 }
 
-/** The pose that looks from `eye` along the given world-to-camera rotation. */
+/** The pose of a camera at `eye` with a world-to-camera rotation. */
 export function poseAt(eye: Vec3, rotation: Mat3): Pose {
   return { rotation, translation: scale(apply(rotation, eye), -1) };
 }
@@ -58,13 +59,13 @@ export function resized(camera: Intrinsics, width: number, height: number): Intr
   };
 }
 
-/** How much larger than wholly in view a picture may be on a screen that is no higher than wide: a little is cut off. */
+/** Largest enlargement beyond a wholly visible picture, on a screen no higher than wide: a little is cut off. */
 const LARGEST_CROP = 1.2;
 
 /**
- * The camera on a canvas of any shape. Around the capture's picture there is little to see but a scene's rubbish, so the
- * picture covers an upright canvas: its sides are cut off. On any other canvas it comes as near to that as `LARGEST_CROP`
- * lets it, because heads and feet must stay.
+ * The camera on a canvas of any shape. Around the capture's picture a scene has little but artefacts, so the picture
+ * covers an upright canvas: its sides are cut off. Other canvases are covered up to `LARGEST_CROP`, because heads and
+ * feet must stay.
  */
 export function fitted(camera: Intrinsics, width: number, height: number): Intrinsics {
   const [across, down] = [width / camera.width, height / camera.height];
@@ -96,4 +97,25 @@ export function project(point: Vec3, pose: Pose, camera: Intrinsics): Vec3 {
 export function unproject([x, y, depth]: Vec3, pose: Pose, camera: Intrinsics): Vec3 {
   const ray: Vec3 = [(x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy, 1];
   return eyeOf({ rotation: pose.rotation, translation: subtract(pose.translation, scale(ray, depth)) });
+}
+
+export interface StartCamera {
+  readonly name: string;
+  readonly pose: Pose;
+  readonly camera: Intrinsics;
+}
+
+/**
+ * The capture camera of that name, or the first one if `name` is null.
+ *
+ * @throws Error that names the cameras there are if none has that name.
+ */
+export function startCamera(manifest: Manifest, name: string | null): StartCamera {
+  const { cameras } = manifest;
+  const found = name === null ? cameras[0] : cameras.find((camera) => camera.name === name);
+  if (!found) {
+    const names = cameras.map((camera) => camera.name).join(", ");
+    throw new Error(`camera ${name}: the scene has no such camera; there are ${names}`);
+  }
+  return { name: found.name, pose: poseOf(found.worldToCamera), camera: found };
 }

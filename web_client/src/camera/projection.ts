@@ -1,4 +1,4 @@
-/** Projections of graphics libraries, as the cameras of this project. */
+/** Projection matrices of graphics libraries, converted to intrinsics. */
 
 import type { Intrinsics } from "./pinhole";
 
@@ -11,9 +11,9 @@ export interface Viewport {
 }
 
 /**
- * The intrinsics of a camera whose picture fills a viewport, exactly, however lopsided it is.
+ * The intrinsics of a camera with a picture that fills a viewport, exact for any off-centre frustum.
  *
- * @param projection to clip space, 4 by 4, by columns, as WebXR and three.js have it.
+ * @param projection to clip space, 4 by 4, by columns, as in WebXR and three.js.
  * @param near world units
  */
 export function projectedIntrinsics(

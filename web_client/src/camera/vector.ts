@@ -1,4 +1,4 @@
-/** Three-vectors and 3x3 rotations, as plain tuples: a viewer needs few of them. */
+/** Three-vectors and 3x3 rotations as plain tuples. */
 
 export type Vec3 = readonly [number, number, number];
 /** Row-major 3x3 matrix. */

@@ -1,11 +1,14 @@
 /** The attributes a chunk can hold (docs/format.md, "Attributes"). */
 
+import type { Container, Stream } from "./chunk";
+import { ChunkError } from "./errors";
+
 export const TRANSFORM = { none: 0, delta: 1, chain: 2 } as const;
 
-/** The bit of "form" that says that a splat's rotation changes; the two bits below it hold the order of its motion. */
+/** The bit of a form for splats with a changing rotation. The two bits below it hold the order of motion. */
 export const TURNS = 4;
 
-/** The bit of "form" that says that a motion of order 3 goes on to the fifth order. */
+/** The bit of a form for motions of order 3 that continue to the fifth order. */
 export const FIFTH = 8;
 
 export interface Attribute {
@@ -14,12 +17,12 @@ export interface Attribute {
   readonly components: number;
   /** The three codes interleaved, stored as differences of the ascending Morton codes. */
   readonly morton: boolean;
-  /** The largest number of a transform it may have. */
+  /** The highest transform number that the attribute may have. */
   readonly lastTransform: number;
   readonly dynamicOnly: boolean;
-  /** Order of motion, TURNS or FIFTH, that a splat must have to have a row; 0: every splat has one. */
+  /** Order of motion, TURNS or FIFTH, required for a row; 0 if every splat has one. */
   readonly rowsOf: number;
-  /** Of the format, from which on it is known. */
+  /** First version of the format with this attribute. */
   readonly version: number;
 }
 
@@ -78,4 +81,33 @@ export function attributeOf(name: AttributeName): Attribute {
 /** Bytes per row of an attribute of `bits` before compression. */
 export function planesOf(attribute: Attribute, bits: number): number {
   return attribute.morton ? Math.ceil((3 * bits) / 8) : attribute.components * Math.ceil(bits / 8);
+}
+
+const MAX_BITS = 24;
+
+export type Streams = ReadonlyMap<AttributeName, Stream>;
+
+/** The streams of known attributes, their table entries checked. Throws ChunkError. */
+export function knownStreams({ version, kind, streams }: Container): Streams {
+  const known = new Map<AttributeName, Stream>();
+  for (const stream of streams) {
+    const attribute = ATTRIBUTES.find(({ id }) => id === stream.attribute);
+    if (!attribute || attribute.version > version || (attribute.dynamicOnly && kind === "static")) continue;
+    checkEntry(stream, attribute);
+    known.set(attribute.name, stream);
+  }
+  return known;
+}
+
+function checkEntry({ at, components, grid, transform, planes }: Stream, attribute: Attribute): void {
+  const expect = (condition: boolean, byte: number, field: string, found: unknown, expected: unknown) => {
+    if (!condition)
+      throw new ChunkError(byte, `attribute ${attribute.id} (${attribute.name}) ${field}`, found, expected);
+  };
+  const { bits, step } = grid;
+  expect(components === attribute.components, at + 1, "components", components, attribute.components);
+  expect(bits >= 1 && bits <= MAX_BITS, at + 2, "bits", bits, `1 to ${MAX_BITS}`);
+  expect(transform <= attribute.lastTransform, at + 3, "transform", transform, `at most ${attribute.lastTransform}`);
+  expect(planes.length === planesOf(attribute, bits), at + 4, "planes", planes.length, planesOf(attribute, bits));
+  expect(step > 0 && step < Infinity, at + 5, "step", step, "above 0 and finite");
 }

@@ -1,11 +1,11 @@
-/** The sound of a scene as its manifest lists it (docs/format.md, "Sound"); read when it is to be played. */
+/** The sound of a scene as its manifest lists it (docs/format.md, "Sound"). It is read only when it is played. */
 
 import { Field } from "./manifest";
 
 export interface SoundPiece {
   /** SHA-256, hex. */
   readonly id: string;
-  /** Seconds on the scene's clock; the last sample that is decoded ends at `end`. */
+  /** Seconds on the scene's clock; the last decoded sample ends at `end`. */
   readonly start: number;
   readonly end: number;
 }
@@ -14,14 +14,14 @@ export interface AudioEntry {
   readonly codec: string;
   readonly sampleRate: number;
   readonly channels: number;
-  /** In order of time; one is over where the next begins. */
+  /** In order of time; each piece ends where the next one begins. */
   readonly pieces: readonly SoundPiece[];
 }
 
 /**
- * Reads a manifest's `audio`.
+ * Read a manifest's `audio`.
  *
- * @param inPages whether it may have no piece yet: pages that come later have them.
+ * @param inPages whether the list of pieces may be empty: later pages add them.
  * @throws ManifestError
  */
 export function readAudio(json: unknown, inPages = false): AudioEntry {

@@ -2,14 +2,13 @@
 
 import { crc32 } from "./crc32";
 import { ChunkError } from "./errors";
-import type { Bounds, Box } from "./types";
-import { VERSIONS } from "./versions";
+import { type Bounds, type Box, VERSIONS } from "./types";
 
 const MAGIC = 0x43534748; // "HGSC"
 const MAX_SPLATS = 2 ** 20;
 const MAX_CHUNK_BYTES = 2 ** 28;
 const MAX_ZERO = 2 ** 28;
-const ENTRY = 9; // bytes, before its whole numbers of variable length
+const ENTRY = 9; // bytes, without its whole numbers of variable length
 const CHECKSUM = 4;
 const VARINT_BYTES = 5;
 
@@ -25,7 +24,7 @@ export interface Grid {
 
 export interface Plane {
   readonly data: Uint8Array;
-  /** Byte of the chunk at which it lies. */
+  /** Position in the chunk, bytes. */
   readonly at: number;
 }
 
@@ -35,7 +34,7 @@ export interface Stream {
   readonly components: number;
   readonly grid: Grid;
   readonly planes: readonly Plane[];
-  /** Byte of the chunk at which its table entry lies. */
+  /** Position of its table entry in the chunk, bytes. */
   readonly at: number;
 }
 
@@ -49,7 +48,7 @@ export interface Container {
   readonly streams: readonly Stream[];
 }
 
-/** Reads header and table, and checks every size in them; nothing is decompressed. Throws ChunkError. */
+/** Read header and table, and check every size in them; nothing is decompressed. Throws ChunkError. */
 export function unpack(bytes: Uint8Array): Container {
   const length = bytes.length;
   if (length < TABLE + CHECKSUM)

@@ -1,6 +1,6 @@
 /** CRC-32 as in zlib and PNG (polynomial 0xedb88320, reflected). */
 
-/** [8][256] remainders of a byte followed by 0 to 7 zero bytes, so that eight bytes are taken at once. */
+/** [8][256] remainders of a byte followed by 0 to 7 zero bytes: eight bytes are processed at once. */
 const TABLES = [new Int32Array(256)];
 for (let byte = 0; byte < 256; byte++) {
   let remainder = byte;
@@ -13,7 +13,7 @@ for (let zeros = 1; zeros < 8; zeros++)
 export function crc32(bytes: Uint8Array): number {
   const [t0, t1, t2, t3, t4, t5, t6, t7] = TABLES;
   const aligned = bytes.byteOffset % 4 === 0 ? bytes : bytes.slice();
-  // Words as they lie in memory: of little-endian processors, which browsers run on alone.
+  // Words in memory order: browsers run on little-endian processors only.
   const words = new Int32Array(aligned.buffer, aligned.byteOffset, 2 * (bytes.length >> 3));
   let crc = -1;
   for (let i = 0; i < words.length; i += 2) {

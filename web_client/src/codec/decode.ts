@@ -1,12 +1,11 @@
-/** From the bytes of a chunk to float arrays, bit for bit as docs/format.md states. */
+/** The decoder of chunks: bytes to float arrays, bit for bit as docs/format.md states. */
 
-import { ATTRIBUTES, type AttributeName, attributeOf } from "./attributes";
+import { ATTRIBUTES, type AttributeName, attributeOf, knownStreams, type Streams } from "./attributes";
 import { TABLE, unpack } from "./chunk";
 import { ChunkError } from "./errors";
 import { Forms } from "./forms";
 import { completeQuats, ease, type Layout, scatter } from "./quantise";
 import { readStream } from "./streams";
-import { knownStreams, type Streams } from "./table";
 import type { DecodedChunk } from "./types";
 import { zstdReady } from "./zstd";
 
@@ -15,13 +14,13 @@ const ORDERS = ["velocity", "acceleration", "jerk", "snap", "crackle"] as const;
 
 type Floats = Float32Array<ArrayBuffer>;
 
-/** Rows of a sparse attribute; kept from chunk to chunk. */
+/** Rows of a sparse attribute; reused for every chunk. */
 let scratch = new Float32Array(0);
 
-/** Decodes a chunk. Every size is checked before anything is allocated. Rejects with ChunkError. */
+/** Decode a chunk. Every size is checked before anything is allocated. Rejects with ChunkError. */
 export async function decodeChunk(bytes: Uint8Array): Promise<DecodedChunk> {
   await zstdReady();
-  // From here on nothing waits: the arrays that modules keep from chunk to chunk serve one chunk at a time.
+  // No await from here on: the arrays that modules reuse serve one chunk at a time.
   const container = unpack(bytes);
   const { kind, count, timeRange, box, bounds } = container;
   const streams = knownStreams(container);
@@ -44,7 +43,7 @@ export async function decodeChunk(bytes: Uint8Array): Promise<DecodedChunk> {
   return chunk;
 }
 
-/** Attributes that have rows must have a stream, and only they. */
+/** Check that attributes with rows have a stream, and no others. */
 function checkPresence(streams: Streams, forms: Forms): void {
   for (const attribute of ATTRIBUTES) {
     const { name, id } = attribute;
@@ -57,7 +56,7 @@ function checkPresence(streams: Streams, forms: Forms): void {
   }
 }
 
-/** Whether every value is below 2^27 by its grid, so that times 2^100, the most it can be scaled by, it is finite. */
+/** Whether the grids keep every value below 2^27, so that it stays finite after scaling by at most 2^100. */
 function surelyFinite(streams: Streams): boolean {
   for (const { grid } of streams.values()) {
     const largest = 2 ** grid.bits + Math.max(...grid.zeros.map(Math.abs));
@@ -82,11 +81,11 @@ const snake = (name: string): string => name.replace(/[A-Z]/g, (letter) => `_${l
 /** Index of the first number that is not finite, or -1. */
 function firstNotFinite(array: Float32Array): number {
   let sum = 0;
-  for (let i = 0; i < array.length; i++) sum += array[i] * 0; // NaN as soon as one is not finite
+  for (let i = 0; i < array.length; i++) sum += array[i] * 0; // NaN as soon as one number is not finite
   return sum === 0 ? -1 : array.findIndex((number) => !Number.isFinite(number));
 }
 
-/** Decodes the streams of a chunk to where their numbers belong. */
+/** Decoder of a chunk's streams into its arrays. */
 class Reader {
   constructor(
     private readonly streams: Streams,
@@ -94,12 +93,12 @@ class Reader {
     readonly count: number,
   ) {}
 
-  /** Numbers of a splat's motion: as many as the highest order of the chunk asks for. */
+  /** Numbers of a splat's motion for the highest order in the chunk. */
   get motionStride(): number {
     return this.streams.has("crackle") ? 18 : 12;
   }
 
-  /** A new array with `stride` numbers for every splat, those of an attribute from `offset` on, the others zero. */
+  /** A new array with `stride` numbers per splat: the attribute's from `offset` on, zeros elsewhere. */
   read(name: AttributeName, stride = attributeOf(name).components, offset = 0): Floats {
     const values = new Float32Array(this.count * stride);
     const stream = this.streams.get(name);
@@ -107,7 +106,7 @@ class Reader {
     return values;
   }
 
-  /** Writes a sparse attribute, times `factors` at each splat, to the splats that have it. */
+  /** Write a sparse attribute, times `factors` at each splat, to the splats that have it. */
   readSparse(name: AttributeName, factors: Float64Array, layout: Layout): void {
     const stream = this.streams.get(name);
     if (!stream) return;
@@ -120,7 +119,7 @@ class Reader {
   }
 }
 
-/** Reads when splats are seen and the higher coefficients of their polynomials, undoing the scaling by powers of two. */
+/** Read lives and the higher coefficients of the polynomials, and undo their scaling by powers of two. */
 function readTimes(reader: Reader, motion: Floats, rotation: Floats) {
   const { count } = reader;
   const timeCenters = reader.read("time_center");
@@ -128,13 +127,13 @@ function readTimes(reader: Reader, motion: Floats, rotation: Floats) {
   const bad = firstNotFinite(timeLogPrecisions);
   if (bad >= 0)
     throw new ChunkError(TABLE, `time_log_precision of splat ${bad}`, timeLogPrecisions[bad], "a finite number");
-  const scales = new Float64Array(count); // about the reciprocal of the time for which a splat can be seen: 2^e
+  const scales = new Float64Array(count); // 2^e, about the reciprocal of a splat's life
   for (let i = 0; i < count; i++) {
     const exact = Math.floor((timeLogPrecisions[i] - 1.75) * 0.7213475204444817);
     scales[i] = 1 << Math.min(MAX_EXPONENT, Math.max(0, exact));
     timeCenters[i] /= scales[i];
   }
-  const powers = scales.slice(); // of the order
+  const powers = scales.slice(); // scales to the power of the coefficient's order
   ORDERS.forEach((name, k) => {
     if (k > 0) for (let i = 0; i < count; i++) powers[i] *= scales[i];
     reader.readSparse(name, powers, { values: motion, first: 3 * (k + 1), stride: reader.motionStride });

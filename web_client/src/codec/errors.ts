@@ -1,4 +1,7 @@
-/** A chunk that is truncated, damaged or not of this format: names the byte, the record, the value and what was expected. */
+/**
+ * Error for a chunk that is truncated, damaged or not of this format, with the byte, the record, the value found and
+ * the one expected.
+ */
 export class ChunkError extends Error {
   override readonly name = "ChunkError";
 
@@ -12,7 +15,10 @@ export class ChunkError extends Error {
   }
 }
 
-/** A manifest with a field that is missing or wrong, or a file that is not what it says: names it and what was expected. */
+/**
+ * Error for a manifest with a missing or wrong field, or for a file of another kind, with the field and the
+ * expectation.
+ */
 export class ManifestError extends Error {
   override readonly name = "ManifestError";
 

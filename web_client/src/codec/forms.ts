@@ -1,4 +1,4 @@
-/** Which splats have rows of which attribute, by their forms (docs/format.md, "Attributes"). */
+/** The splats that have rows of an attribute, by their forms (docs/format.md, "Attributes"). */
 
 import { type Attribute, attributeOf, FIFTH, hasRow, TURNS } from "./attributes";
 import type { Container, Stream } from "./chunk";
@@ -7,7 +7,7 @@ import { readStream } from "./streams";
 
 const FORMS = 16;
 
-/** Members of an attribute; kept from chunk to chunk. */
+/** Members of an attribute; reused for every chunk. */
 let scratch = new Uint32Array(0);
 
 export class Forms {
@@ -15,7 +15,7 @@ export class Forms {
   /** Number of splats of each form. */
   private readonly splatsOf = new Uint32Array(FORMS);
 
-  /** Reads the forms of a chunk; without a stream of them all are 0. Throws ChunkError. */
+  /** Read the forms of a chunk; without a stream of forms all are 0. Throws ChunkError. */
   constructor(
     private readonly container: Container,
     stream: Stream | undefined,
@@ -26,7 +26,7 @@ export class Forms {
       this.splatsOf[0] = count;
       return;
     }
-    // Of a form its code counts, not its value.
+    // A form is its code, not its value.
     const codes = new Float32Array(count);
     const grid = { ...stream.grid, step: 1, zeros: [0] };
     readStream({ ...stream, grid }, attributeOf("form"), count, { values: codes, first: 0, stride: 1 });
@@ -54,7 +54,7 @@ export class Forms {
   membersOf(attribute: Attribute): Uint32Array {
     const { forms } = this;
     const has = Uint8Array.from({ length: FORMS }, (_, form) => (hasRow(attribute, form) ? 1 : 0));
-    if (scratch.length < forms.length + 1) scratch = new Uint32Array(forms.length + 1); // one is written after the last
+    if (scratch.length < forms.length + 1) scratch = new Uint32Array(forms.length + 1); // one entry more
     const members = scratch;
     let found = 0;
     for (let i = 0; i < forms.length; i++) {

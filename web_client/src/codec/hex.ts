@@ -1,4 +1,4 @@
-/** Ids in hex, and as they are. */
+/** Ids as hexadecimal text and as bytes. */
 
 export function toHex(bytes: Uint8Array): string {
   return Array.from(bytes, (byte) => byte.toString(16).padStart(2, "0")).join("");

@@ -1,10 +1,18 @@
 /** The manifest of a scene, checked field by field (docs/format.md, "Manifest"). */
 
 import { ManifestError } from "./errors";
-import type { Box, CapturedSpace, ChunkEntry, Manifest, ManifestCamera, SegmentEntry, SliceEntry } from "./types";
-import { VERSIONS } from "./versions";
+import {
+  type Box,
+  type CapturedSpace,
+  type ChunkEntry,
+  type Manifest,
+  type ManifestCamera,
+  type SegmentEntry,
+  type SliceEntry,
+  VERSIONS,
+} from "./types";
 
-/** A value somewhere inside the document; every reader throws ManifestError if the value is not of its type. */
+/** A value inside the document. Every reader throws ManifestError if the value has another type. */
 export class Field {
   constructor(
     readonly path: string,
@@ -25,7 +33,7 @@ export class Field {
     return Object.hasOwn(this.object(), name);
   }
 
-  /** Undefined where there is none. */
+  /** Undefined if the field is absent. */
   given(name: string): Field | undefined {
     return this.has(name) ? this.get(name) : undefined;
   }
@@ -93,7 +101,7 @@ export class Field {
   }
 }
 
-/** Reads what JSON.parse returned; unknown fields are left alone. Throws ManifestError. */
+/** Read the result of JSON.parse; unknown fields are ignored. Throws ManifestError. */
 export function parseManifest(json: unknown): Manifest {
   const root = new Field("manifest", json);
   if (root.get("format").text() !== "hgs-scene") throw root.get("format").error('"hgs-scene"');
@@ -192,7 +200,7 @@ function readSlice(field: Field, segments: number): SliceEntry {
   };
 }
 
-/** Checks what a field alone cannot show: order of time, references, totals. */
+/** Check the relations between fields: order of time, references, totals. */
 function checkReferences(manifest: Manifest, root: Field): void {
   const known = new Set(manifest.static.map((chunk) => chunk.id));
   if (known.size < manifest.static.length) throw root.get("static").error("every chunk once");

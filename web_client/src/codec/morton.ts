@@ -16,14 +16,14 @@ const GATHER = Int32Array.from({ length: 4096 }, (_, code) => {
 const gather = (limb: number): number => GATHER[limb & 4095] | (GATHER[limb >> 12] << 4);
 
 /**
- * Adds up the differences in `planes` byte planes of `rows` rows each (low byte first) and writes the points of the grid
- * that they lead to. Returns false if a code reaches 2^(3 bits).
+ * Add up the differences in `planes` byte planes of `rows` rows each (low byte first) and write the resulting points of
+ * the grid. Returns false if a code reaches 2^(3 bits).
  */
 export function dequantisePoints(raw: Uint8Array, planes: number, rows: number, grid: Grid, layout: Layout): boolean {
   const { bits, step } = grid;
   const [zeroX, zeroY, zeroZ] = grid.zeros;
   const { values, first, stride } = layout;
-  // The upper planes of a limb may be absent: they read as zeros.
+  // The upper planes of a limb may be absent; they count as zeros.
   const none = planes % 3 === 0 ? raw : new Uint8Array(rows);
   const [p0, p1, p2, p3, p4, p5, p6, p7, p8] = Array.from({ length: 9 }, (_, p) =>
     p < planes ? raw.subarray(p * rows, (p + 1) * rows) : none,
@@ -32,7 +32,7 @@ export function dequantisePoints(raw: Uint8Array, planes: number, rows: number, 
   let low = 0;
   let middle = 0;
   let high = 0;
-  let beyond = 0; // what is carried out of the highest limb: beyond any grid
+  let beyond = 0; // carry of the highest limb: outside any grid
   for (let i = 0, at = first; i < rows; i++, at += stride) {
     low += p0[i] | (p1[i] << 8) | (p2[i] << 16);
     let carry = low >> 24;

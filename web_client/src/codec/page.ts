@@ -21,7 +21,11 @@ export interface Page {
   readonly pieces: readonly PieceEntry[];
 }
 
-/** @throws ManifestError if the bytes are no page, or damaged. */
+/**
+ * Read a page.
+ *
+ * @throws ManifestError if the bytes are no page, or damaged.
+ */
 export async function readPage(bytes: Uint8Array<ArrayBuffer>): Promise<Page> {
   try {
     return unpack(await gunzip(bytes));
@@ -38,7 +42,7 @@ function unpack(raw: ArrayBuffer): Page {
     kind: new (raw: ArrayBuffer, at: number, count: number) => Column,
     count: number,
   ): Column => {
-    const found = new kind(raw, at, count); // throws RangeError if there are fewer
+    const found = new kind(raw, at, count); // RangeError if there are fewer
     at += found.byteLength;
     return found;
   };
@@ -78,6 +82,6 @@ function unpack(raw: ArrayBuffer): Page {
   };
 }
 
-/** Undoes gzip, as every browser can by itself; rejects with TypeError where the bytes are something else, or damaged. */
+/** Undo gzip with the browser's own decoder; rejects with TypeError if the bytes are damaged or not gzip. */
 export const gunzip = (bytes: Uint8Array<ArrayBuffer>): Promise<ArrayBuffer> =>
   new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();

@@ -1,13 +1,15 @@
-/** What is done to numbers after their codes; each result rounded to binary32, all before it in binary64. */
+/**
+ * The steps from stored numbers to final values; each result is rounded to binary32, intermediate values are binary64.
+ */
 
-/** Where the numbers of an attribute go: row i begins at `first` + i `stride`. */
+/** Target of an attribute's numbers: row i begins at `first` + i `stride`. */
 export interface Layout {
   readonly values: Float32Array;
   readonly first: number;
   readonly stride: number;
 }
 
-/** Writes rows of `components` numbers, 3 or 4, times the factor of the splat that each belongs to, to the rows of those splats. */
+/** Write rows of `components` numbers, 3 or 4, to the rows of their splats, times the splat's factor. */
 export function scatter(
   numbers: Float32Array,
   components: number,
@@ -26,7 +28,7 @@ export function scatter(
   }
 }
 
-/** Replaces every x by x x (3 - 2 x), x limited to [0, 1]: opacities, of what is stored for them. */
+/** Replace every x by x x (3 - 2 x), x limited to [0, 1]: stored numbers to opacities. */
 export function ease(values: Float32Array): void {
   for (let i = 0; i < values.length; i++) {
     const x = Math.min(1, Math.max(0, values[i]));
@@ -34,7 +36,7 @@ export function ease(values: Float32Array): void {
   }
 }
 
-/** Writes w = sqrt(max(0, 1 - (x x + y y + z z))) before the vector parts x, y, z, which lie `stride` apart. */
+/** Write w = sqrt(max(0, 1 - (x x + y y + z z))) before the vector parts x, y, z, which are `stride` apart. */
 export function completeQuats(quats: Float32Array, stride: number): void {
   for (let at = 0; at < quats.length; at += stride) {
     const x = quats[at + 1];

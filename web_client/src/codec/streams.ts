@@ -1,4 +1,4 @@
-/** From the bytes of a stream to numbers: zstd frames, then byte planes, transform and grid in one pass per component. */
+/** The decoder of streams: zstd frames, then byte planes, transform and grid in one pass per component. */
 
 import { type Attribute, TRANSFORM } from "./attributes";
 import type { Grid, Stream } from "./chunk";
@@ -14,7 +14,7 @@ interface Codes {
   readonly each: number;
 }
 
-/** Decodes a stream of `rows` rows to where they belong. Throws ChunkError. */
+/** Decode a stream of `rows` rows to its target. Throws ChunkError. */
 export function readStream(stream: Stream, attribute: Attribute, rows: number, layout: Layout): void {
   const { grid, planes, transform } = stream;
   const { bits } = grid;
@@ -40,14 +40,17 @@ export function readStream(stream: Stream, attribute: Attribute, rows: number, l
   }
 }
 
-// Each loop reads three bytes of every code, those that a code has not masked out.
+// Each loop reads three bytes of every code; masks hide the bytes that a code lacks.
 const maskOf = (byte: number, each: number): number => (byte < each ? 255 : 0);
 
 const join = (low: number, middle: number, high: number): number => low | (middle << 8) | (high << 16);
 
 const unzigzag = (code: number): number => (code >>> 1) ^ -(code & 1);
 
-/** Writes (code - zero) * step of one component, of sums if `delta`; returns all bits that a code has. */
+/**
+ * Write (code - zero) * step of one component, or of running sums if `delta`; returns the union of all bits of the
+ * codes.
+ */
 function dequantise({ raw, rows, each }: Codes, component: number, delta: boolean, grid: Grid, layout: Layout): number {
   const { bits, step } = grid;
   const { values, first, stride } = layout;
@@ -78,14 +81,14 @@ function dequantise({ raw, rows, each }: Codes, component: number, delta: boolea
   return seen;
 }
 
-/** The same of the three components of a chain. */
+/** The same for the three components of a chain. */
 function dequantiseChain({ raw, rows, each }: Codes, grid: Grid, { values, first, stride }: Layout): number {
   const { bits, step } = grid;
   const [zeroA, zeroB, zeroC] = grid.zeros;
   const mask = 2 ** bits - 1;
   const middleMask = maskOf(1, each);
   const highMask = maskOf(2, each);
-  const middle = middleMask && rows; // from a low byte to the next one
+  const middle = middleMask && rows; // offset between a low byte and the next one
   const high = middle + (highMask && rows);
   let seen = 0;
   for (let i = 0, at = first; i < rows; i++, at += stride) {
@@ -104,7 +107,7 @@ function dequantiseChain({ raw, rows, each }: Codes, grid: Grid, { values, first
   return seen;
 }
 
-/** The largest code of the first component that has one of 2^bits or more. */
+/** The largest code of the first component with a code of 2^bits or more. */
 function firstTooLarge({ raw, rows, each }: Codes, bits: number): { component: number; row: number; code: number } {
   for (let component = 0; ; component++) {
     const codeOf = (row: number) => {

@@ -1,4 +1,4 @@
-/** What a chunk decodes to, and what a manifest says. Names follow the Python codec; units are those of docs/format.md. */
+/** Decoded chunks and manifests. Names follow the Python codec; units are those of docs/format.md. */
 
 /** Axis-aligned box in world units. */
 export interface Box {
@@ -6,29 +6,29 @@ export interface Box {
   readonly max: readonly [number, number, number];
 }
 
-/** Declared errors: no splat of the chunk is farther from the encoder's than this. */
+/** Declared errors: upper bounds of the difference between the encoder's splats and the decoded ones. */
 export interface Bounds {
-  /** World units, per axis, at any moment, in proportion to how far the splat has faded. */
+  /** World units, per axis, at any moment, in proportion to the splat's fading. */
   readonly position: number;
-  /** World units: the standard deviation added in every direction before shapes are compared. */
+  /** World units: the standard deviation that is added in every direction before shapes are compared. */
   readonly blur: number;
-  /** Of |ln| of the ratio of standard deviations in any direction. */
+  /** |ln| of the ratio of standard deviations in any direction. */
   readonly shape: number;
-  /** At any moment. */
+  /** The difference at any moment. */
   readonly opacity: number;
   readonly rgb: number;
 }
 
 interface ChunkCommon {
   readonly count: number;
-  /** Seconds: the segment whose normalised time [0, 1] the splats use; [0, 0] in a static chunk. */
+  /** Seconds: the segment of the splats' normalised time [0, 1]; [0, 0] in a static chunk. */
   readonly timeRange: readonly [number, number];
-  /** Holds the centre of every splat whenever it can be seen. */
+  /** The centres of all splats, whenever they are visible. */
   readonly box: Box;
   readonly bounds: Bounds;
   /** [N * 3] natural logarithms of the standard deviations. */
   readonly logScales: Float32Array;
-  /** [N] in [0, 1]; of dynamic splats the peak sigma. */
+  /** [N] in [0, 1]; peak sigma for dynamic splats. */
   readonly opacities: Float32Array;
   /** [N * 3] sRGB, nominally in [0, 1]. */
   readonly rgb: Float32Array;
@@ -43,7 +43,7 @@ export interface StaticChunk extends ChunkCommon {
   readonly quats: Float32Array;
 }
 
-/** Splats that move: the equations are in docs/numerics.md, "Time". */
+/** Splats that move; docs/numerics.md, "Time", has the equations. */
 export interface DynamicChunk extends ChunkCommon {
   readonly kind: "dynamic";
   /** [N * K * 3] position polynomial in d = t - timeCenters, constant first, x y z each; K is 6 if a splat moves in the
@@ -68,7 +68,7 @@ export interface ManifestCamera {
   readonly fy: number;
   readonly cx: number;
   readonly cy: number;
-  /** World units; splats whose centre is nearer are not drawn. */
+  /** World units; splats with a nearer centre are not drawn. */
   readonly near: number;
   /** 4 rows of 4. */
   readonly worldToCamera: readonly (readonly number[])[];
@@ -83,11 +83,11 @@ export interface ChunkEntry {
   readonly box: Box;
 }
 
-/** The part of space around a scene's centre from which it can be looked at with trust. Angles are radians. */
+/** The region around a scene's centre with trustworthy views. Angles are radians. */
 export interface CapturedSpace {
   /** Unit vector at right angles to the manifest's `up`: the middle of the azimuths. */
   readonly front: readonly [number, number, number];
-  /** Half of the range of azimuths, in (0, pi); null: all round. */
+  /** Half of the range of azimuths, in (0, pi); null for all directions. */
   readonly azimuth: number | null;
   /** Lowest and highest. */
   readonly elevation: readonly [number, number];
@@ -101,14 +101,14 @@ export interface SegmentEntry {
   readonly end: number;
 }
 
-/** A stretch of a segment: at any moment of it, the living dynamic splats are in `chunks` and `needs`. */
+/** A stretch of a segment: `chunks` and `needs` hold all dynamic splats that are alive in it. */
 export interface SliceEntry {
   /** Index into the manifest's segments. */
   readonly segment: number;
-  /** Seconds; a slice is shown for start <= time < end, the last one also at its end. */
+  /** Seconds; a slice is shown for start <= time < end, the last one at its end, too. */
   readonly start: number;
   readonly end: number;
-  /** Chunks whose splats are first alive in this slice. */
+  /** Chunks of splats that are first alive in this slice. */
   readonly chunks: readonly ChunkEntry[];
   /** Ids of chunks of earlier slices with splats that are still alive in this one. */
   readonly needs: readonly string[];
@@ -121,7 +121,7 @@ export interface Totals {
   readonly bytesDynamic: number;
 }
 
-/** How many chunks that move there are, with how many splats. */
+/** Numbers of dynamic chunks and of their splats. */
 export interface Room {
   readonly chunks: number;
   readonly splats: number;
@@ -138,13 +138,13 @@ export interface Manifest {
   readonly background: readonly [number, number, number];
   /** Unit vector, world. */
   readonly up: readonly [number, number, number];
-  /** Point that an orbit camera turns about, world. */
+  /** Target of an orbit camera, world. */
   readonly center: readonly [number, number, number];
   /** Typical distance of the capture's cameras from `center`, world units, above 0. */
   readonly extent: number;
   readonly cameras: readonly ManifestCamera[];
   readonly segments: readonly SegmentEntry[];
-  /** Static chunks, most useful first: any prefix draws. */
+  /** Static chunks, most useful first: every prefix can be drawn. */
   readonly static: readonly ChunkEntry[];
   /** In order of time. */
   readonly slices: readonly SliceEntry[];
@@ -152,18 +152,24 @@ export interface Manifest {
   /** True if thumbnail.jpg lies beside the manifest. */
   readonly thumbnail: boolean;
   readonly training: Readonly<Record<string, unknown>>;
-  /** True if the splats were trained to be drawn with antialiasing; false where the document does not say. */
+  /** True if the splats were trained with antialiasing; false if the document does not state it. */
   readonly antialiased: boolean;
-  /** Length of a world unit; null where it is not known. */
+  /** Length of a world unit; null if unknown. */
   readonly metresPerUnit: number | null;
-  /** The scene grows, and this is its manifest's number, from 1; null: it is complete. */
+  /** The number of a growing scene's manifest, from 1; null for a complete scene. */
   readonly live: number | null;
-  /** What is heard, as the document has it; undefined for nothing. See `readAudio`. */
+  /** The document's entry for sound; undefined for none. See `readAudio`. */
   readonly audio?: unknown;
-  /** Of a manifest in pages: all that moves, and the most of two slices that follow each other; else the slices say so. */
+  /**
+   * Sizes from a manifest in pages: all dynamics, and the most in two consecutive slices. Other manifests list all
+   * slices.
+   */
   readonly room?: { readonly all: Room; readonly most: Room };
   /** Whether `cameras` took the pictures that made the splats, at these sizes. */
   readonly photographed: boolean;
-  /** From where the pictures were taken; null where the document does not say. */
+  /** The region around the cameras of the capture; null if the document does not state it. */
   readonly capturedSpace: CapturedSpace | null;
 }
+
+/** Supported versions of the format; the second has motions of the fifth order. */
+export const VERSIONS: readonly number[] = [2, 3];

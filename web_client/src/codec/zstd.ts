@@ -1,20 +1,20 @@
 /** The zstd frames of an attribute, decompressed together through WebAssembly. */
 
 const MAGIC = 0xfd2fb528;
-const LAST = 1; // bit of a block's header
+const LAST = 1; // flag in a block's header
 const RLE = 1; // types of blocks
 const RESERVED = 3;
 
-/** What zstd.wasm offers (`web_client/zstd/decoder.c`). Addresses and sizes are in bytes of its memory. */
+/** The exports of zstd.wasm (`web_client/zstd/decoder.c`). Addresses and sizes are in bytes of its memory. */
 interface Zstd {
   readonly memory: WebAssembly.Memory;
-  /** Where the memory begins that it leaves to the caller. */
+  /** Start of the memory that is free for the caller. */
   readonly __heap_base: WebAssembly.Global<"i32">;
-  /** Returns how much came out, or a number below zero for an error. */
+  /** Returns the number of bytes written, or a negative number for an error. */
   decompress(to: number, capacity: number, from: number, size: number): number;
 }
 
-const PAGE = 65536; // by which memories grow, bytes
+const PAGE = 65536; // bytes, the unit of growth
 
 let zstd: Zstd | undefined;
 let nowReady: () => void;
@@ -22,7 +22,7 @@ const ready = new Promise<void>((resolve) => {
   nowReady = resolve;
 });
 
-/** Give this module the decompressor, compiled from what the build writes as zstd.wasm; before anything is decompressed. */
+/** Provide the compiled decompressor; required before any decompression. */
 export async function provideZstd(module: WebAssembly.Module): Promise<void> {
   const { exports } = await WebAssembly.instantiate(module);
   zstd = exports as unknown as Zstd;
@@ -35,12 +35,12 @@ export function zstdReady(): Promise<void> {
 }
 
 /**
- * Returns the contents of frames, one after the other, or the place in the list of the first that is not one frame whose
- * header states exactly `length` bytes and which holds them. The frames must follow each other in one buffer without
- * gaps: a call costs about as much as decompressing a thousand bytes.
+ * Decompress frames into one array. Returns the contents in order, or the index of the first frame that is not a single
+ * frame with a header that states exactly `length` bytes, and those bytes. The frames must be adjacent in one buffer: a
+ * call costs about as much as the decompression of a thousand bytes.
  */
 export function decompress(frames: readonly Uint8Array[], length: number): Uint8Array | number {
-  // Every frame ends where the next one begins, so that zstd, which reads them as one input, meets the same frames.
+  // Every frame ends where the next one begins, so zstd, which reads them as one input, finds the same frames.
   let bytes = 0;
   for (let i = 0; i < frames.length; i++) {
     if (!isWhole(frames[i], length)) return firstDamaged(frames.slice(0, i), length) ?? i;
@@ -50,7 +50,7 @@ export function decompress(frames: readonly Uint8Array[], length: number): Uint8
   return raw ?? firstDamaged(frames, length) ?? 0;
 }
 
-/** Place of the first of whole frames that zstd refuses. */
+/** Index of the first of whole frames that zstd refuses. */
 function firstDamaged(frames: readonly Uint8Array[], length: number): number | undefined {
   const place = frames.findIndex((frame) => !contentOf(frame, length));
   return place < 0 ? undefined : place;
@@ -68,14 +68,14 @@ function contentOf(frames: Uint8Array, length: number): Uint8Array | undefined {
   return zstd.decompress(to, length, from, frames.length) === length ? bytes.slice(to, from) : undefined;
 }
 
-/** Whether the bytes are one frame (RFC 8878, section 3.1.1) that states `length` and ends with the bytes; content unread. */
+/** Whether the bytes are exactly one frame (RFC 8878, section 3.1.1) that states `length`; the content is not read. */
 function isWhole(frame: Uint8Array, length: number): boolean {
   const size = frame.length;
   if (size < 5 || (frame[0] | (frame[1] << 8) | (frame[2] << 16) | (frame[3] << 24)) >>> 0 !== MAGIC) return false;
   const descriptor = frame[4];
   const single = (descriptor >> 5) & 1;
   let at = 5 + (single ? 0 : 1) + [0, 1, 2, 4][descriptor & 3];
-  const width = [single, 2, 4, 8][descriptor >> 6]; // of the content size
+  const width = [single, 2, 4, 8][descriptor >> 6]; // bytes of the content size
   if (width === 0 || size < at + width) return false;
   let stated = width === 2 ? 256 : 0;
   for (let i = 0; i < width; i++) stated += frame[at + i] * 2 ** (8 * i);
@@ -90,5 +90,5 @@ function isWhole(frame: Uint8Array, length: number): boolean {
     last = (header & LAST) !== 0;
     at += 3 + (type === RLE ? 1 : header >> 3);
   }
-  return at + (descriptor & 4 ? 4 : 0) === size; // a checksum may follow
+  return at + (descriptor & 4 ? 4 : 0) === size; // 4 bytes of a checksum are optional
 }

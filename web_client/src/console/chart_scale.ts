@@ -1,13 +1,13 @@
-/** From figures to places in a chart. */
+/** The scale of a chart: figures to places. */
 
 export interface Scale {
   readonly low: number;
   readonly high: number;
-  /** Round values between the two, at which lines are drawn. */
+  /** Round values in the range, for grid lines. */
   readonly ticks: readonly number[];
 }
 
-/** A scale that holds the values and about `count` round ticks. */
+/** A scale that contains the values and about `count` round ticks. */
 export function scaleOf(values: readonly number[], count: number): Scale {
   let low = Number.POSITIVE_INFINITY;
   let high = Number.NEGATIVE_INFINITY;
@@ -34,7 +34,7 @@ function roundStep(least: number): number {
   return power * ([1, 2, 5].find((factor) => factor * power >= least * (1 - 1e-9)) ?? 10);
 }
 
-/** Without the last digits that binary fractions leave: 0.3 for 0.30000000000000004. */
+/** A value without the last digits that binary fractions leave: 0.3 for 0.30000000000000004. */
 const cleaned = (value: number): number => Number(value.toPrecision(12));
 
 /** The points [x, y] as an SVG path in a box of `width` by `height`, with y upwards. */

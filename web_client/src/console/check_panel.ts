@@ -1,19 +1,19 @@
-/** Whether the poses, clocks and pictures of a capture fit, before it is trained (docs/checking.md). */
+/** The check of a capture before training: whether poses, clocks and pictures fit (docs/checking.md). */
 
 import { element } from "../dom/element";
 import { formatDuration } from "../dom/format";
 import type { Capture } from "../protocol/api";
 import { type CaptureCheck, type Finding, getCheck, startCheck } from "../protocol/uploads";
 
-const EVERY = 1000; // milliseconds between two questions
-const WITHOUT_POSES = "videos without poses"; // a layout of docs/rest.md
+const EVERY = 1000; // milliseconds between two requests
+const WITHOUT_POSES = "videos without poses"; // layout of docs/rest.md
 
 export class CheckPanel {
   readonly node = element("div", { class: "check" });
   readonly #trust = element("input", { type: "checkbox" });
   #asking = new AbortController();
 
-  /** Whether the capture shall be trained whatever was found. */
+  /** Whether to train the capture regardless of the result. */
   get trusted(): boolean {
     return this.#trust.isConnected && this.#trust.checked;
   }

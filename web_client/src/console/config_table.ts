@@ -25,7 +25,7 @@ export function configTable(config: Readonly<Record<string, unknown>>): HTMLElem
 }
 
 export interface ConfigRow {
-  /** The names on the way, such as ["learning_rates"]; empty at the top. */
+  /** The names of the groups around it, such as ["learning_rates"]; empty at the top. */
   readonly group: readonly string[];
   readonly name: string;
   readonly value: string;
@@ -33,7 +33,7 @@ export interface ConfigRow {
 
 const DEEPEST = 6;
 
-/** The rows in the config's order, those of a group together, fields of the top first. */
+/** The rows in the config's order, grouped, with the fields of the top first. */
 export function configRows(config: Readonly<Record<string, unknown>>): ConfigRow[] {
   return rowsOf(config, []);
 }

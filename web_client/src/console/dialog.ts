@@ -5,17 +5,19 @@ import { element, setText } from "../dom/element";
 interface Question {
   readonly title: string;
   readonly body: readonly (Node | string)[];
-  /** The words on the button that does it, such as "Delete". */
+  /** The label of the confirming button, such as "Delete". */
   readonly action: string;
-  /** Whether it takes something away. */
+  /** Whether the action deletes something. */
   readonly danger?: boolean;
-  /** What stands on the other button. */
+  /** The label of the other button. */
   readonly dismiss?: string;
-  /** Does it; the dialog closes when it has been done, and says why if it fails. */
+  /** Perform the action; the dialog closes afterwards, and shows the reason of a failure. */
   run(): Promise<void>;
 }
 
-/** Ask, and return when the dialog is closed: whether it was done. The focus goes back to where it was. */
+/**
+ * Ask, and resolve when the dialog is closed: true if the action was performed. The focus returns to its earlier place.
+ */
 export function ask(question: Question): Promise<boolean> {
   const error = element("p", { class: "field-error", role: "alert" });
   const action = element("button", { class: question.danger ? "button danger" : "button primary" }, question.action);
@@ -50,7 +52,7 @@ export function ask(question: Question): Promise<boolean> {
   document.body.append(dialog);
   const before = document.activeElement;
   dialog.showModal();
-  if (question.danger) dismiss.focus(); // a stray Enter takes nothing away
+  if (question.danger) dismiss.focus(); // a stray Enter deletes nothing
   return new Promise((resolve) => {
     dialog.addEventListener("close", () => {
       dialog.remove();

@@ -1,18 +1,20 @@
-/** Fields of a form with their labels and the place where their errors stand. */
+/** Fields of a form with their labels and error messages. */
 
 import { element, setText } from "../dom/element";
 import type { ApiError } from "../protocol/api";
 
-/** A group of controls with a legend, a hint, and a line for what is wrong. */
+/** A group of controls with a legend, a hint, and an error message. */
 export class FormField {
   readonly node: HTMLElement;
   readonly #error: HTMLElement;
 
   /**
+   * Create a field.
+   *
    * @param name of the field, unique on the page
-   * @param legend what people read
-   * @param controls what they use
-   * @param hint a line that helps; "" for none
+   * @param legend its visible name
+   * @param controls its inputs
+   * @param hint a line of help; "" for none
    */
   constructor(name: string, legend: string, controls: readonly HTMLElement[], hint = "") {
     this.#error = element("p", { class: "field-error", id: `${name}-error`, role: "alert" });
@@ -26,7 +28,7 @@ export class FormField {
     );
   }
 
-  /** Say what is wrong; "" takes it back. */
+  /** Show an error; "" removes it. */
   fault(reason: string): void {
     setText(this.#error, reason);
     this.node.classList.toggle("wrong", reason !== "");
@@ -46,11 +48,11 @@ interface Choice {
   readonly value: string;
   readonly title: string;
   readonly note: string;
-  /** Why it cannot be chosen; "" if it can. */
+  /** The reason for which it is disabled; "" if it is not. */
   readonly problem?: string;
 }
 
-/** Choices of which one is taken, each with a line that explains it. */
+/** A group of exclusive choices, each with an explanation. */
 export function choices(name: string, all: readonly Choice[], chosen: string): HTMLElement {
   return element(
     "div",
@@ -66,16 +68,16 @@ export function choices(name: string, all: readonly Choice[], chosen: string): H
   );
 }
 
-/** The value of the choice that is taken; "" for none. */
+/** The value of the checked choice; "" for none. */
 export const chosenIn = (node: HTMLElement): string =>
   node.querySelector<HTMLInputElement>("input[type=radio]:checked")?.value ?? "";
 
-/** The fields of the form, by the names that docs/rest.md gives them. */
+/** The fields of the form, by their names in docs/rest.md. */
 export type Field = "capture" | "title" | "preset" | "hold_out";
 
 const FIELDS: readonly Field[] = ["capture", "title", "preset", "hold_out"];
 
-/** The form's field that an error is about, such as `hold_out` for `hold_out.3`; null where it has none for it. */
+/** The form's field of an error, such as `hold_out` for `hold_out.3`; null if there is none. */
 export function fieldOf(error: Pick<ApiError, "code" | "field">): Field | null {
   const name = error.field.split(".")[0];
   const found = FIELDS.find((field) => field === name);
@@ -83,10 +85,10 @@ export function fieldOf(error: Pick<ApiError, "code" | "field">): Field | null {
   return error.code === "capture-invalid" || error.code === "capture-outside" ? "capture" : null;
 }
 
-/** The server's line without what it begins with: beside the field, neither the status nor the name is needed. */
+/** The server's message without its prefix: next to the field, status and name are not needed. */
 export function reasonOf(error: Pick<ApiError, "message" | "field">): string {
   const detail = error.message.replace(/^The server answered \d+: /, "");
   const prefix = `${error.field}: `;
   const reason = error.field !== "" && detail.startsWith(prefix) ? detail.slice(prefix.length) : detail;
-  return reason.replace(/^[a-z](?=[a-z]* )/, (letter) => letter.toUpperCase()); // but no file's name
+  return reason.replace(/^[a-z](?=[a-z]* )/, (letter) => letter.toUpperCase()); // unless it is a file's name
 }

@@ -1,11 +1,11 @@
-/** The curve of a training: a figure over what was done. */
+/** The curve of a training: a figure over its progress. */
 
 import { element, setText } from "../dom/element";
 import { linePath, scaleOf } from "./chart_scale";
 import type { JobCourse } from "./job_course";
 import { figureName, figureText } from "./job_words";
 
-const STAGE = "train"; // the stage that has figures worth a curve
+const STAGE = "train"; // stage with figures worth a curve
 const LEAST_HEIGHT = 220; // pixels
 const MARGIN = { left: 46, right: 12, top: 12, bottom: 26 };
 const SVG = "http://www.w3.org/2000/svg";
@@ -102,7 +102,7 @@ export class JobChart {
     if (last) setText(this.#readout, `Now ${figureText(this.#figure, last[1])}`);
   }
 
-  /** Say the value below the pointer. */
+  /** Show the value at the pointer. */
   #read(event: PointerEvent): void {
     const box = this.#svg.getBoundingClientRect();
     const last = this.#points.at(-1);

@@ -1,9 +1,9 @@
-/** The course of a job, from what the server kept and what comes in while the page is open. */
+/** The course of a job, from stored reports and from those received while the page is open. */
 
 import type { Job, JobPoint } from "../protocol/api";
 
 const MOST_POINTS = 4000;
-/** Of a stage, before its speed says anything about the rest: the first steps are unlike the others. */
+/** Share of a stage before its speed predicts the rest: the first steps are unlike the others. */
 const LEAST_SHARE = 0.02;
 const LEAST_SECONDS = 5;
 
@@ -14,7 +14,7 @@ export class JobCourse {
     return this.#points;
   }
 
-  /** Begin, or begin again, with what the server kept; what came in after its last report follows. */
+  /** Start, or start again, with the stored reports; later ones received meanwhile follow. */
   start(kept: readonly JobPoint[]): void {
     const last = kept.at(-1)?.time ?? Number.NEGATIVE_INFINITY;
     const since = this.#points.filter((point) => point.time > last);
@@ -22,9 +22,9 @@ export class JobCourse {
     for (const point of since) this.#add(point);
   }
 
-  /** Take the progress of a job's news. */
+  /** Add the progress in a job's news. */
   follow(job: Job): void {
-    // A stage that begins says 0 of 1, also when it goes on from a checkpoint: that takes nothing back.
+    // A stage begins with 0 of 1, also when it continues from a checkpoint: that removes nothing.
     const { progress } = job;
     if (job.state !== "running" || !progress || (progress.done === 0 && progress.total <= 1)) return;
     this.#add({ ...progress, attempt: job.attempt, time: job.updated });
@@ -34,13 +34,13 @@ export class JobCourse {
     while (this.#points.length > 0) {
       const last = this.#points[this.#points.length - 1];
       if (last.stage !== point.stage || last.done < point.done) break;
-      this.#points.pop(); // it went on from a checkpoint, and reports again
+      this.#points.pop(); // it continued from a checkpoint, and reports again
     }
     this.#points.push(point);
     if (this.#points.length > MOST_POINTS) this.#points = this.#points.filter((_, i) => i % 2 === 1);
   }
 
-  /** The figures that the stage has reported, PSNR and loss first. */
+  /** The figures of a stage, PSNR and loss first. */
   figures(stage: string): string[] {
     const names = new Set(["psnr", "loss"]);
     const reported = this.#points
@@ -50,7 +50,7 @@ export class JobCourse {
     return [...names].filter((name) => reported.includes(name));
   }
 
-  /** A figure over what was done of a stage: [done, value]. */
+  /** A figure over a stage's progress: [done, value]. */
   curve(stage: string, figure: string): [number, number][] {
     return this.#points
       .filter((point) => point.stage === stage && point.figures[figure] !== undefined)
@@ -58,8 +58,8 @@ export class JobCourse {
   }
 
   /**
-   * Seconds that the job's present stage will take about, at the speed of the latter half of what this attempt did of
-   * it; null while there is too little to tell.
+   * Remaining seconds of the present stage, about, at the speed of the latter half of this attempt's work on it; null
+   * while there is too little data.
    */
   remaining(job: Job): number | null {
     const { progress } = job;

@@ -1,4 +1,4 @@
-/** The end of a job's log, while it is open. */
+/** The end of a job's log, updated while it is open. */
 
 import { element, setText } from "../dom/element";
 import { getJobLog } from "../protocol/api";
@@ -20,7 +20,7 @@ export class JobLogPanel {
     signal.addEventListener("abort", () => clearTimeout(this.#timer));
   }
 
-  /** Say whether the job goes on, so that its log does. */
+  /** Set whether the job, and so its log, continues. */
   follow(going: boolean): void {
     if (going === this.#going) return;
     this.#going = going;

@@ -1,4 +1,4 @@
-/** The page of one job: how far it is, how well it goes, what it does, and what came of it. */
+/** The page of one job: its progress, its figures, its log, and its result. */
 
 import { element, setText } from "../dom/element";
 import {
@@ -11,15 +11,15 @@ import {
   isRetriable,
   type Job,
   type JobRun,
+  pictureUrl,
   reportUrl,
   retryJob,
 } from "../protocol/api";
-import { siteUrl } from "../protocol/site";
+import { siteUrl } from "../protocol/http";
 import { configTable } from "./config_table";
 import { JobChart } from "./job_chart";
 import { JobCourse } from "./job_course";
 import { JobLogPanel } from "./job_log";
-import { JobPicture } from "./job_picture";
 import { JobSteps } from "./job_steps";
 import {
   captureName,
@@ -34,7 +34,34 @@ import {
 import { emptyState, isMissing, type Shell, showShell } from "./shell";
 import "./job.css";
 
-const LOOK = 3000; // ms between two looks at what no event tells: the picture, the place in the queue, the log
+export class JobPicture {
+  readonly #caption = element("figcaption", { class: "hint" }, "The first picture appears once training starts.");
+  readonly node = element("figure", { class: "job-picture" }, this.#caption);
+  #version: string | null = null;
+  #shown: HTMLImageElement | null = null;
+
+  constructor(readonly job: string) {}
+
+  /** Show the picture of a version; the previous one stays until it has loaded. */
+  show(version: string | null): void {
+    if (version === null || version === this.#version) return;
+    this.#version = version;
+    const picture = element("img", { src: pictureUrl(this.job, version), alt: "The scene as it is now" });
+    picture.decode().then(
+      () => {
+        if (version !== this.#version) return;
+        if (this.#shown) this.#shown.replaceWith(picture);
+        else this.node.replaceChildren(picture);
+        this.#shown = picture;
+      },
+      () => {
+        if (version === this.#version) this.#version = null; // it was replaced meanwhile: try again
+      },
+    );
+  }
+}
+
+const LOOK = 3000; // ms between two requests for data without events: picture, queue, log
 
 export function showJobPage(root: HTMLElement, id: string): void {
   document.title = "Job · HGS";
@@ -111,7 +138,7 @@ class JobView {
     this.#follow();
   }
 
-  /** Follow the job from what it is now. */
+  /** Follow the job from its present state. */
   #follow(): void {
     this.#show(this.job);
     this.#stop();
@@ -120,7 +147,7 @@ class JobView {
     void this.#look();
   }
 
-  /** Take up what the server kept of the job's course. */
+  /** Load the stored course of the job. */
   #readCourse(): void {
     getJobHistory(this.job.id, this.signal).then(
       (points) => {
@@ -160,11 +187,11 @@ class JobView {
     this.#chart.show(this.#course);
     this.#log.follow(!isFinal(job));
     if (!ended) return;
-    this.#readCourse(); // news are thinned out: the last report of a stage may have been left out
+    this.#readCourse(); // news are thinned out: a stage's last report may be missing
     void this.#look();
   }
 
-  /** Look at what no event tells, and again later while the job goes on. */
+  /** Request the data that no event reports, and again later while the job continues. */
   async #look(): Promise<void> {
     clearTimeout(this.#timer);
     try {

@@ -2,7 +2,7 @@
 
 import { element, setText } from "../dom/element";
 import { cancelJob, isFinal, isRetriable, type Job, retryJob } from "../protocol/api";
-import { siteUrl } from "../protocol/site";
+import { siteUrl } from "../protocol/http";
 import { JobSteps } from "./job_steps";
 import { describeFault, describeFigures, describeProgress, titleOf } from "./job_words";
 import { showNodes } from "./shell";
@@ -46,7 +46,11 @@ class JobRow {
     );
   }
 
-  /** @param published the scenes that there are */
+  /**
+   * Show a job.
+   *
+   * @param published the existing scenes
+   */
   update(job: Job, published: ReadonlySet<string>): void {
     this.#id = job.id;
     this.node.dataset.state = job.state;
@@ -66,7 +70,7 @@ class JobRow {
       button.setAttribute("aria-label", `${button.textContent}: ${titleOf(job)}`);
   }
 
-  /** Ask the server for a change; the row follows when the job's news come. */
+  /** Request a change; the row follows with the job's next news. */
   #ask(button: HTMLButtonElement, request: (id: string) => Promise<void>, events: JobEvents): void {
     button.disabled = true;
     request(this.#id).then(events.changed, (error: Error) => {
@@ -76,7 +80,7 @@ class JobRow {
   }
 }
 
-/** Rows that are made once per job and updated in place. */
+/** The rows, created once per job and updated in place. */
 export class JobRows {
   readonly #rows = new Map<string, JobRow>();
   #published: ReadonlySet<string> = new Set();

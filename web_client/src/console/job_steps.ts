@@ -1,4 +1,4 @@
-/** How far a running job is: a bar of its stage, and its steps. */
+/** The progress of a running job: a bar for its stage, and its steps. */
 
 import { element } from "../dom/element";
 import type { Job } from "../protocol/api";
@@ -16,7 +16,7 @@ export class JobSteps {
     if (job.progress && job.progress.total > 1) this.#bar.value = job.progress.done / job.progress.total;
     else this.#bar.removeAttribute("value");
     const at = stepOf(job);
-    this.#list.hidden = at < 0 && stageOf(job) !== null; // what came before an unknown stage is unknown
+    this.#list.hidden = at < 0 && stageOf(job) !== null; // an unknown stage has unknown predecessors
     this.#steps.forEach((step, i) => {
       step.dataset.state = i < at ? "done" : i === at ? "now" : "later";
       if (i === at) step.setAttribute("aria-current", "step");

@@ -1,8 +1,8 @@
-/** What a job says of itself, in words. */
+/** The texts about a job. */
 
 import { isFinal, type Job } from "../protocol/api";
 
-/** The steps of a job, in order, and the stages of docs/rest.md that each of them is. */
+/** The steps of a job, in order, with their stages of docs/rest.md. */
 export const STEPS: readonly { readonly name: string; readonly stages: readonly string[] }[] = [
   { name: "Checking the capture", stages: ["initialise", "sync", "cameras", "check"] },
   { name: "Finding what moves", stages: ["masks"] },
@@ -32,21 +32,21 @@ const UNITS: Readonly<Record<string, string>> = { psnr: " dB" };
 
 export const stageOf = (job: Job): string | null => job.progress?.stage ?? job.stage;
 
-/** The title of a job, else the name of its capture's folder. */
+/** The title of a job, or else the name of its capture's folder. */
 export const titleOf = (job: Job): string => job.title || captureName(job) || job.id;
 
 export const captureName = (job: Job): string => job.capture.split("/").filter(Boolean).at(-1) ?? "";
 
 const CAMERA_SOUND = "camera:";
 
-/** What is heard, where that is not the capture's own sound: "no sound", "sound of cam01", "sound of recorder.wav". */
+/** The sound, if it is not the capture's own: "no sound", "sound of cam01", "sound of recorder.wav". */
 export function describeSound({ audio }: Job): string {
   if (!audio || audio === "auto") return "";
   if (audio === "none") return "no sound";
   return `sound of ${audio.startsWith(CAMERA_SOUND) ? audio.slice(CAMERA_SOUND.length) : audio.split("/").at(-1)}`;
 }
 
-/** "Depth maps" of `depth_maps`. */
+/** A name in words: "Depth maps" for `depth_maps`. */
 export function spelledOut(name: string): string {
   const words = name.replace(/[_-]+/g, " ").trim();
   return words.charAt(0).toUpperCase() + words.slice(1);
@@ -60,13 +60,13 @@ export function figureText(name: string, value: number): string {
   return text + (UNITS[name] ?? "");
 }
 
-/** The index of the step that a job is at; -1 before the first, and in a stage that this page does not know. */
+/** The index of a job's step; -1 before the first, and in a stage unknown to this page. */
 export function stepOf(job: Job): number {
   const stage = stageOf(job);
   return stage === null ? -1 : STEPS.findIndex(({ stages }) => stages.includes(stage));
 }
 
-/** "Training 420 / 2,000"; a stage that this page does not know by its own name, "Depth maps 3 / 16". */
+/** "Training 420 / 2,000"; a stage unknown to this page by its own name, "Depth maps 3 / 16". */
 export function describeProgress(job: Job): string {
   if (job.state !== "running") return STATE_NAMES[job.state];
   const stage = stageOf(job);
@@ -76,7 +76,7 @@ export function describeProgress(job: Job): string {
   return total > 1 ? `${name} ${done.toLocaleString("en")} / ${total.toLocaleString("en")}` : name;
 }
 
-/** What is wrong: why the job failed, or what keeps it waiting. */
+/** The problem: the reason of a failure, or of waiting. */
 export function describeFault(job: Job): string {
   return job.error ?? (isFinal(job) || !job.waiting ? "" : `Waiting: ${job.waiting}`);
 }
@@ -88,7 +88,7 @@ export function describeFigures(job: Job): string {
   return figures.map(([name, value]) => `${figureName(name)} ${figureText(name, value)}`).join(" · ");
 }
 
-/** Where a queued job stands, if that is known. */
+/** The place of a queued job, if it is known. */
 export function describeQueue(ahead: number | null): string {
   if (ahead === null) return "";
   if (ahead === 0) return "Next in line: it starts as soon as a worker is free.";
@@ -97,7 +97,7 @@ export function describeQueue(ahead: number | null): string {
     : `About ${ahead.toLocaleString("en")} other jobs are ahead of it.`;
 }
 
-/** "about 12 min left in this step"; "" while nobody can tell. */
+/** "about 12 min left in this step"; "" while unknown. */
 export function describeRemaining(seconds: number | null): string {
   if (seconds === null) return "";
   if (seconds < 60) return "less than a minute left in this step";

@@ -1,11 +1,14 @@
-/** What is shown in place of a page that needs a key: it is given once, and the browser keeps a session that scripts cannot read. */
+/**
+ * The page that asks for a key, in place of any page that requires one: it is entered once, and the browser keeps a
+ * session that scripts cannot read.
+ */
 
 import { element, setText } from "../dom/element";
 import { beginSession } from "../protocol/api";
-import { siteUrl } from "../protocol/site";
+import { siteUrl } from "../protocol/http";
 import "./key_page.css";
 
-/** Take the place of whatever the page shows; once a key was given the page is loaded again. */
+/** Replace the page; once a key was entered, the page is loaded again. */
 export function showKeyPage(root: HTMLElement): void {
   document.title = "Key needed · HGS";
   const link = new URLSearchParams(location.search).has("link");
@@ -42,7 +45,7 @@ export function showKeyPage(root: HTMLElement): void {
     beginSession(field.value).then(
       () => {
         const address = new URL(location.href);
-        address.searchParams.delete("link"); // which would count, and be refused
+        address.searchParams.delete("link"); // the link would take precedence, and be refused
         location.replace(address);
       },
       (reason: Error) => {

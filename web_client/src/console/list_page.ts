@@ -1,20 +1,20 @@
-/** The page that lists scenes and jobs, and keeps both up to date. */
+/** The page of scenes and jobs, kept up to date. */
 
 import { element, icon } from "../dom/element";
 import { PLUS } from "../dom/icons";
 import { ApiError, endSession, followJob, getSession, isFinal, type Job, listJobs, listScenes } from "../protocol/api";
-import { siteUrl } from "../protocol/site";
+import { siteUrl } from "../protocol/http";
 import { JobRows } from "./job_rows";
 import { SceneSection } from "./scene_section";
 import { showShell } from "./shell";
 import "./list.css";
 
 const REFRESH = 5000; // ms
-/** Event streams at once: browsers open six connections per server over HTTP/1.1, and the page needs some for itself. */
+/** Parallel event streams: browsers open six connections per server over HTTP/1.1, and the page needs some itself. */
 const FOLLOWED = 3;
 const FINISHED_SHOWN = 8;
 
-/** The jobs; none for somebody whose key allows to look at scenes alone. */
+/** The jobs; none for a key that allows watching scenes only. */
 async function allowedJobs(signal: AbortSignal): Promise<Job[]> {
   try {
     return await listJobs(signal);
@@ -24,7 +24,7 @@ async function allowedJobs(signal: AbortSignal): Promise<Job[]> {
   }
 }
 
-/** Say whose key the browser keeps, and let it be forgotten. */
+/** Show the name of the browser's key, and a button to forget it. */
 async function signedIn(masthead: HTMLElement, signal: AbortSignal): Promise<void> {
   const { name } = await getSession(signal).catch(() => ({ name: null }));
   if (name === null) return;
@@ -44,7 +44,7 @@ export function showListPage(root: HTMLElement): void {
     element("div", { class: "section-head" }, element("h2", { id: "jobs" }, "Jobs")),
     jobs,
   );
-  scenes.node.hidden = true; // until it is known what there is
+  scenes.node.hidden = true; // hidden until the scenes have arrived
   shell.main.append(element("h1", { class: "unseen" }, "Scenes and jobs"), scenes.node, jobSection);
 
   const rows = new JobRows(jobs, { changed: () => void refresh(), problem: shell.problem });
@@ -64,7 +64,7 @@ export function showListPage(root: HTMLElement): void {
       if (followed.has(job.id) || followed.size >= FOLLOWED) continue;
       const stop = followJob(job.id, (news) => {
         rows.update(news);
-        if (isFinal(news)) void refresh(); // a new scene may be there
+        if (isFinal(news)) void refresh(); // there may be a new scene
       });
       followed.set(job.id, stop);
     }

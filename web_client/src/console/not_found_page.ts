@@ -1,8 +1,12 @@
-/** The page of an address at which there is nothing. */
+/** The page for unknown addresses. */
 
 import { element } from "../dom/element";
 
-/** @param home address of the server's root, with a slash at its end. */
+/**
+ * Show the page.
+ *
+ * @param home address of the server's root, with a slash at its end.
+ */
 export function showNotFoundPage(root: HTMLElement, home: string): void {
   document.title = "Not found · HGS";
   root.className = "not-found-page";

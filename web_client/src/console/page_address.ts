@@ -1,4 +1,4 @@
-/** Which page an address names. */
+/** The addresses of the pages. */
 
 export type PageAddress =
   | { readonly kind: "list" }

@@ -1,13 +1,13 @@
-/** What can be done with a scene: copy its link, rename it, delete it. */
+/** The actions on a scene: copy its link, rename it, delete it. */
 
 import { element, icon } from "../dom/element";
 import { MORE } from "../dom/icons";
 import { deleteScene, getSession, makeLink, renameScene, type Scene } from "../protocol/api";
-import { siteUrl } from "../protocol/site";
+import { siteUrl } from "../protocol/http";
 import { ask } from "./dialog";
 import { nameOf } from "./scene_order";
 
-const LONGEST_TITLE = 200; // characters, as docs/rest.md has it
+const LONGEST_TITLE = 200; // characters, as in docs/rest.md
 
 export interface SceneEvents {
   /** The scenes have changed on the server. */
@@ -66,7 +66,9 @@ export function sceneActions(scene: Scene, events: SceneEvents): HTMLElement {
 
 const LINK_SECONDS = 7 * 24 * 3600;
 
-/** Where a scene can be watched: where keys are asked for, and this one may, by a link that needs none and ends in a week. */
+/**
+ * The address of a scene for others: if keys are required, and this one may, a link without one that ends in a week.
+ */
 async function addressOf({ id }: Scene): Promise<string> {
   const page = siteUrl(`view/${encodeURIComponent(id)}`);
   try {
@@ -77,11 +79,11 @@ async function addressOf({ id }: Scene): Promise<string> {
   }
 }
 
-/** Copy the scene's address; where the browser does not let a page do that, show it to be copied. */
+/** Copy the scene's address; if the browser does not allow it, show it for copying. */
 async function share(scene: Scene, events: SceneEvents): Promise<void> {
   const address = new URL(await addressOf(scene), location.href).href;
   try {
-    await navigator.clipboard.writeText(address); // there is no clipboard on pages that are neither https nor localhost
+    await navigator.clipboard.writeText(address); // missing on pages that are neither https nor localhost
     events.say("Link copied");
   } catch {
     const field = element("input", { class: "input", value: address, readonly: true, "aria-label": "Link" });

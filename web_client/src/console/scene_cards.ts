@@ -1,17 +1,17 @@
-/** The scenes as cards: thumbnail, title, length, size, whether it still grows, and what can be done with each. */
+/** The scenes as cards: thumbnail, title, length, size, growth, and actions. */
 
 import { element, icon } from "../dom/element";
 import { formatBytes, formatDuration } from "../dom/format";
 import { PLAY } from "../dom/icons";
 import { type Scene, thumbnailUrl } from "../protocol/api";
-import { siteUrl } from "../protocol/site";
+import { siteUrl } from "../protocol/http";
 import { type SceneEvents, sceneActions } from "./scene_actions";
 import { nameOf } from "./scene_order";
 import { showNodes } from "./shell";
 
 function card(scene: Scene, events: SceneEvents): HTMLElement {
   const picture = element("img", { src: thumbnailUrl(scene.id), alt: "", loading: "lazy", width: 320, height: 180 });
-  picture.addEventListener("error", () => picture.remove()); // the placeholder behind it shows
+  picture.addEventListener("error", () => picture.remove()); // shows the placeholder behind it
   const length = scene.end - scene.start;
   const badge = sceneBadge(scene);
   return element(
@@ -35,7 +35,7 @@ function card(scene: Scene, events: SceneEvents): HTMLElement {
   );
 }
 
-/** Cards that are made once per scene, and anew when the scene has changed. */
+/** The cards, created once per scene, and again when the scene has changed. */
 export class SceneCards {
   #cards = new Map<string, { readonly version: string; readonly node: HTMLElement }>();
 
@@ -65,5 +65,5 @@ export function describeScene({ bytes_total, splats_static, splats_dynamic }: Sc
   return [formatBytes(bytes_total), splats_dynamic > 0 ? `${share}% moving` : "still"].join(" · ");
 }
 
-/** What is to be known before it is opened: that there will be more of it. Empty for a scene that is complete. */
+/** The note on a growing scene. Empty for a complete one. */
 export const sceneBadge = ({ live }: Scene): string => (live ? "Still being made" : "");

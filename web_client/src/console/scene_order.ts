@@ -1,4 +1,4 @@
-/** Which scenes a list shows, and in what order. */
+/** The filter and the order of the list of scenes. */
 
 import type { Scene } from "../protocol/api";
 
@@ -25,7 +25,7 @@ export const nameOf = (scene: Scene): string => scene.title || scene.id;
 /** Letters without their accents and in lower case, so that "etude" finds "Étude". */
 const plain = (text: string): string => text.normalize("NFD").replace(/\p{M}/gu, "").toLowerCase();
 
-/** The scenes whose title or id has every word of `search`, in the order asked for. */
+/** The scenes with every word of `search` in their title or id, in an order. */
 export function arrange(scenes: readonly Scene[], search: string, order: Order): Scene[] {
   const words = plain(search).split(/\s+/).filter(Boolean);
   const found = scenes.filter((scene) => {

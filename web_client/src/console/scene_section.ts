@@ -1,14 +1,14 @@
-/** The scenes of the list: cards, and where there are more than a few, a search and an order. */
+/** The scenes of the list: cards, and for more than a few, a search and an order. */
 
 import { element, setText } from "../dom/element";
 import type { Scene } from "../protocol/api";
-import { siteUrl } from "../protocol/site";
+import { siteUrl } from "../protocol/http";
 import type { SceneEvents } from "./scene_actions";
 import { SceneCards } from "./scene_cards";
 import { arrange, isOrder, ORDERS } from "./scene_order";
 import { emptyState } from "./shell";
 
-const FEW = 6; // scenes that are seen at a glance
+const FEW = 6; // scenes at a glance
 
 export class SceneSection {
   readonly node: HTMLElement;

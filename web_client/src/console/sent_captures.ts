@@ -1,11 +1,11 @@
-/** What was sent to the server: uploads that are not complete, and the captures that others have become. */
+/** The sent captures on the server: incomplete uploads, and finished ones. */
 
 import { element } from "../dom/element";
 import { formatBytes } from "../dom/format";
 import { deleteUpload, listUploads, type Upload } from "../protocol/uploads";
 import { ask } from "./dialog";
 
-/** The list, to be opened; it stays away while nothing was sent. `onDelete` is called after a capture is gone. */
+/** The list, collapsed; hidden while it is empty. `onDelete` is called after a capture was deleted. */
 export class SentCaptures {
   readonly node = element("details", { class: "sent", hidden: true });
 

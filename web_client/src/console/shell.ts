@@ -1,8 +1,8 @@
-/** What every page of the console has: the masthead, a line for problems, and short messages that pass. */
+/** The common parts of all console pages: the masthead, a line for errors, and short messages. */
 
 import { element, setText } from "../dom/element";
 import { ApiError } from "../protocol/api";
-import { siteUrl } from "../protocol/site";
+import { siteUrl } from "../protocol/http";
 import "./console.css";
 
 const MESSAGE_SECONDS = 4;
@@ -10,13 +10,13 @@ const MESSAGE_SECONDS = 4;
 export interface Shell {
   readonly main: HTMLElement;
   readonly masthead: HTMLElement;
-  /** Show what went wrong above the page; null or "" takes it away. */
+  /** Show an error above the page; null or "" removes it. */
   problem(error: unknown): void;
-  /** Say something that needs no answer. */
+  /** Show a message that needs no answer. */
   say(text: string): void;
 }
 
-/** Make the page; `actions` stand at the end of the masthead. */
+/** Create the page; `actions` are at the end of the masthead. */
 export function showShell(root: HTMLElement, name: string, ...actions: HTMLElement[]): Shell {
   const alert = element("p", { class: "alert", role: "alert", hidden: true });
   const message = element("p", { class: "message", role: "status", hidden: true });
@@ -55,15 +55,15 @@ export function showShell(root: HTMLElement, name: string, ...actions: HTMLEleme
   };
 }
 
-/** Whether the server has said that there is no such thing. */
+/** Whether the server reported that it does not exist. */
 export const isMissing = (error: unknown): boolean => error instanceof ApiError && error.status === 404;
 
-/** A place where there is nothing yet: what it is about, and what to do. */
+/** A placeholder for an empty list: its subject, and the next steps. */
 export function emptyState(title: string, ...what: (Node | string)[]): HTMLElement {
   return element("div", { class: "empty" }, element("h2", {}, title), ...what);
 }
 
-/** Put the nodes into the list; those that stay where they are keep their focus. */
+/** Set the nodes of a list; those that keep their place keep their focus. */
 export function showNodes(list: HTMLElement, nodes: readonly HTMLElement[]): void {
   const same = nodes.length === list.children.length && nodes.every((node, i) => node === list.children[i]);
   if (same) return;

@@ -1,19 +1,19 @@
-/** The form for a new scene: a capture, how well it shall be trained, and which cameras are kept to check it. */
+/** The form for a new scene: a capture, a training preset, and the cameras that are held out to check it. */
 
 import "./form.css";
 import { element } from "../dom/element";
 import { formatDuration } from "../dom/format";
 import { ApiError, type Capture, type CaptureList, listCaptures, submitJob } from "../protocol/api";
-import { siteUrl } from "../protocol/site";
+import { siteUrl } from "../protocol/http";
 import { CheckPanel } from "./check_panel";
 import { choices, chosenIn, type Field, FormField, fieldOf, reasonOf } from "./form_field";
 import { SentCaptures } from "./sent_captures";
 import { emptyState, type Shell, showShell } from "./shell";
 import { UploadPanel } from "./upload_panel";
 
-const LONGEST_TITLE = 200; // characters, as docs/rest.md has it
-const LEAST_CAMERAS = 2; // that training needs
-const LOOK_AGAIN_MS = 2000; // at captures that the server is still looking at
+const LONGEST_TITLE = 200; // characters, as in docs/rest.md
+const LEAST_CAMERAS = 2; // cameras that training needs
+const LOOK_AGAIN_MS = 2000; // ms between requests while the server checks captures
 
 const PRESETS = [
   { value: "preview", title: "Preview", note: "A quick first look" },
@@ -31,11 +31,11 @@ export function showSubmitPage(root: HTMLElement): void {
   addEventListener("pagehide", () => abort.abort(), { once: true });
   const panel = new UploadPanel((path) => void show(path));
   const sent = new SentCaptures(() => void show());
-  let touched = false; // whoever fills in the form keeps it as it is
+  let touched = false; // an edited form stays unchanged
   body.addEventListener("input", () => {
     touched = true;
   });
-  /** Show the captures that there are; one that was just sent is chosen and checked. */
+  /** Show the captures; one that was just sent is selected and checked. */
   const show = async (uploaded = ""): Promise<void> => {
     try {
       const list = await listCaptures(abort.signal);
@@ -56,7 +56,7 @@ export function showSubmitPage(root: HTMLElement): void {
   void show();
 }
 
-/** What to do where there is nothing to choose from. */
+/** The hint without captures. */
 function noCaptures({ folders }: CaptureList, ...sending: HTMLElement[]): HTMLElement {
   const there = folders.filter(({ exists }) => exists);
   const paths = (there.length > 0 ? there : folders).map(({ path }) => element("li", {}, element("code", {}, path)));
@@ -101,8 +101,10 @@ class SubmitForm {
   readonly #check = new CheckPanel();
 
   /**
-   * @param sending where people send captures, and what they have sent
-   * @param uploaded the path of what was just sent, which is or holds a capture; "" for nothing
+   * Create the form.
+   *
+   * @param sending the part of the page for uploads
+   * @param uploaded the path of a finished upload, which is or contains a capture; "" for none
    */
   constructor(
     readonly list: CaptureList,
@@ -174,7 +176,7 @@ class SubmitForm {
     return this.list.captures.find(({ capture }) => capture === name);
   }
 
-  /** Offer the cameras of the capture, and its name for the scene's. */
+  /** Offer the cameras of the capture, and its name as the scene's title. */
   #choose(checked: boolean): void {
     const chosen = this.#chosen();
     this.#title.placeholder = chosen?.name.split("/").at(-1) ?? "";
@@ -189,7 +191,7 @@ class SubmitForm {
     );
   }
 
-  /** Nothing where no camera is chosen: the server chooses then. */
+  /** Empty if no camera is selected: the server chooses then. */
   #heldOut(): { hold_out?: string[] } {
     const names = [...this.#cameras.querySelectorAll<HTMLInputElement>("input:checked")].map(({ value }) => value);
     return names.length > 0 ? { hold_out: names } : {};

@@ -1,11 +1,11 @@
-/** A folder on its way to the server, as the page shows it: how far it is, its files, and what can be done with it. */
+/** The view of an upload: its progress, its files, and its actions. */
 
 import { element, setText } from "../dom/element";
 import { formatBytes } from "../dom/format";
 import type { SentFile, Transfer, TransferState } from "../upload/transfer";
-import { describeTransfer } from "../upload/upload_words";
+import { describeTransfer } from "../upload/upload_progress";
 
-const MOST_ROWS = 100; // files that are listed
+const MOST_ROWS = 100; // listed files
 
 const STATE_WORDS: Readonly<Record<SentFile["state"], string>> = {
   waiting: "waits",
@@ -14,7 +14,7 @@ const STATE_WORDS: Readonly<Record<SentFile["state"], string>> = {
   there: "there",
 };
 
-/** Of a failure, the whole words are said. */
+/** Labels of states; a failure has a whole sentence. */
 const SAID: Readonly<Record<TransferState, string>> = {
   sending: "Sending",
   paused: "Paused",
@@ -30,7 +30,7 @@ export class TransferView {
   readonly cancel = element("button", { type: "button", class: "button quiet" }, "Cancel");
   readonly #bar = element("progress", { max: 1, value: 0, "aria-label": "Sent" });
   readonly #words = element("p", { class: "upload-words" });
-  readonly #told = element("p", { class: "unseen", role: "status" }); // what is read out: not every byte
+  readonly #told = element("p", { class: "unseen", role: "status" }); // text for screen readers: not every byte
   readonly #summary = element("summary", {}, "Files");
   readonly #rows = element("ul", { class: "upload-files" });
 
@@ -63,7 +63,7 @@ export class TransferView {
     this.pause.disabled = state === "finishing" || state === "done";
     const there = files.filter((file) => file.state === "there").length;
     setText(this.#summary, `${there.toLocaleString("en")} of ${files.length.toLocaleString("en")} files`);
-    // those under way first, then those to come
+    // active ones first, then pending ones
     const rank = { sending: 0, reading: 1, waiting: 2, there: 3 };
     const shown = [...files].sort((a, b) => rank[a.state] - rank[b.state]).slice(0, MOST_ROWS);
     shown.forEach((file, place) => {

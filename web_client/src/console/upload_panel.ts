@@ -1,15 +1,15 @@
-/** Where people send a folder: choose or drop it, watch it go, pause it, and go on. */
+/** The panel for sending a folder: choose or drop it, watch its progress, pause and continue. */
 
 import { element, setText } from "../dom/element";
 import * as uploads from "../protocol/uploads";
 import { type Chosen, fromDrop, fromPicker } from "../upload/chosen_files";
 import { FileHasher } from "../upload/hash_file";
-import { Speed } from "../upload/speed";
 import { Transfer, type UploadRequests } from "../upload/transfer";
+import { Speed } from "../upload/upload_progress";
 import { TransferView } from "./transfer_view";
 import "./upload.css";
 
-const EVERY = 200; // milliseconds between two drawings
+const EVERY = 200; // milliseconds between two updates
 
 const REQUESTS: UploadRequests = {
   uploads: async (signal) => (await uploads.listUploads(signal)).uploads,
@@ -36,7 +36,11 @@ export class UploadPanel {
   readonly #choice: HTMLElement;
   #transfer: Transfer | null = null;
 
-  /** @param onCapture is called with the path of the capture that was sent */
+  /**
+   * Create the panel.
+   *
+   * @param onCapture is called with the path of the sent capture
+   */
   constructor(readonly onCapture: (path: string) => void) {
     this.#choice = this.#chooser();
     this.node = element(
@@ -65,7 +69,7 @@ export class UploadPanel {
       const input = element("input", { type: "file", multiple: true, class: "unseen", webkitdirectory: folder });
       input.addEventListener("change", () => {
         if (input.files?.length) this.#take(Promise.resolve(fromPicker(input.files)));
-        input.value = ""; // so that the same folder can be chosen again
+        input.value = ""; // allows the same folder to be chosen again
       });
       return element("label", { class: "button" }, input, label);
     };
@@ -150,7 +154,7 @@ export class UploadPanel {
     });
     view.cancel.addEventListener("click", () => {
       transfer.pause();
-      if (transfer.upload) void uploads.deleteUpload(transfer.upload.id).catch(() => {}); // else it expires
+      if (transfer.upload) void uploads.deleteUpload(transfer.upload.id).catch(() => {}); // otherwise it expires
       end();
     });
     this.#body.replaceChildren(view.node);

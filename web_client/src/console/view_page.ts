@@ -1,29 +1,28 @@
-/** The page that plays a scene: a player alone, its address's parameters, its title, and a handle for scripts. */
+/** The page that plays a scene: a player, the address's parameters, the title, and a handle for scripts. */
 
 import { element } from "../dom/element";
 import type { HgsPlayer } from "../player/hgs_player";
 import { getScene } from "../protocol/api";
-import { KEY_NEEDED } from "../protocol/http";
-import { siteUrl } from "../protocol/site";
-import type { Quality } from "../renderer/quality_names";
+import { KEY_NEEDED, siteUrl } from "../protocol/http";
+import type { Quality } from "../renderer/fineness";
 import type { Pixels } from "../renderer/shot";
 import { PlayerView } from "../ui/player_view";
 import type { WholePage } from "../ui/player_view_options";
 import { linkWithBookmarks, sharedLink } from "../ui/shared_view";
 import { parseViewParameters, type ViewParameters } from "./view_parameters";
 
-/** What the page offers to scripts, such as tests: `window.hgs`. */
+/** The page's interface for scripts, such as tests: `window.hgs`. */
 export interface ViewerHandle {
-  /** Resolves when everything alive at the first time has arrived, been sorted and drawn; rejects if it cannot. */
+  /** Resolves when everything visible at the first time has arrived, been sorted and drawn; rejects on failure. */
   readonly ready: Promise<void>;
   readonly state: Readonly<Record<string, unknown>>;
-  /** As the settings have it: `auto` draws what moves as finely as this device can, `high` always at its best. */
+  /** The quality as in the settings: `auto` draws motion as finely as this device can, `high` always at its best. */
   quality: Quality;
-  /** Go to a time, seconds; resolves when all of it is drawn. */
+  /** Seek to a time, seconds; resolves when everything is drawn. */
   seek(time: number): Promise<void>;
   play(): void;
   pause(): void;
-  /** The picture, RGBA from the top row; in floats without the canvas's rounding if asked. */
+  /** The picture, RGBA from the top row; optionally in floats without the canvas's rounding. */
   readPixels(options?: { float?: boolean }): Promise<Pixels>;
 }
 
@@ -43,7 +42,7 @@ export function showViewPage(root: HTMLElement, scene: string): void {
     crop: async (player, root) => new (await import("../crop/crop_tool")).CropTool(player, root),
     keep: (bookmarks) => history.replaceState(null, "", linkWithBookmarks(location.href, bookmarks)),
   };
-  // The server has put it there, with the scene's poster, if it has one.
+  // The server has created it, with the scene's poster, if there is one.
   const host = root.querySelector("main") ?? element("main", { class: "player-host" });
   root.replaceChildren(host);
   try {
@@ -68,7 +67,7 @@ function play(host: HTMLElement, scene: string, parameters: ViewParameters, page
   };
   const link = new URLSearchParams(location.search).get("link");
   const query = link === null ? "" : `?link=${encodeURIComponent(link)}`;
-  // The server knows a later title, and whether a key is needed; without an answer the scene's own one stays.
+  // The server has the latest title, and may require a key; without an answer the manifest's title stays.
   const served = getScene(scene, player.disposed, query).then(
     ({ title }) => title,
     () => "",

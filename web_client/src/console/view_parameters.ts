@@ -8,27 +8,36 @@ export interface ViewParameters {
   readonly time: number | null;
   /** `camera`: name of a capture camera; null for the first. */
   readonly camera: string | null;
-  /** `view`: the camera's position, the point in the middle of the picture, and upwards, as nine numbers; null for none. */
+  /**
+   * `view`: the camera's position, the target in the middle of the picture, and the upward direction, as nine numbers;
+   * null for none.
+   */
   readonly view: Viewing | null;
-  /** `loop`: seconds from and to which to repeat; null to repeat no stretch. */
+  /** `loop`: start and end of the repeated stretch, seconds; null for none. */
   readonly loopRange: readonly [number, number] | null;
   /** `marks`: bookmarks, seconds. */
   readonly bookmarks: readonly number[];
-  /** `paused`: 1 to stand still, 0 to play; null to play unless the visitor's system asks for less motion. */
+  /** `paused`: 1 to pause, 0 to play; null to play unless the visitor's system asks for less motion. */
   readonly paused: boolean | null;
   /** `width`, `height`: size of the picture in CSS pixels and in its backing store; null to fill the window. */
   readonly size: { readonly width: number; readonly height: number } | null;
   /** `exact`: 1 for the picture alone, from exactly the capture camera's pose and intrinsics. */
   readonly exact: boolean;
-  /** `antialiased`: 1 to fade splats thinner than a pixel, 0 not to, to compare; null to do what the scene asks for. */
+  /**
+   * `antialiased`: 1 to fade splats thinner than a pixel, 0 not to, for comparisons; null for the scene's own setting.
+   */
   readonly antialiased: boolean | null;
-  /** `splats`: so many are drawn at most, the most useful ones; `undefined` for all. */
+  /** `splats`: largest number of splats, the most useful ones; `undefined` for all. */
   readonly splatBudget: number | undefined;
 }
 
 const LARGEST = 8192;
 
-/** @throws Error that names the parameter that is wrong. */
+/**
+ * Parse an address's query.
+ *
+ * @throws Error that names the wrong parameter.
+ */
 export function parseViewParameters(search: string): ViewParameters {
   const parameters = new URLSearchParams(search);
 

@@ -1,4 +1,4 @@
-/** A box in the world that stands upright in a scene: its faces, its corners, and how `hgs edit` is told of it. */
+/** An upright box in the world of a scene: its faces, its corners, and its arguments for `hgs edit`. */
 
 import {
   add,
@@ -18,13 +18,13 @@ import {
 export interface CropBox {
   /** World units. */
   readonly center: Vec3;
-  /** Whole sides along its own axes: width, height, depth; above 0. */
+  /** Full lengths along its own axes: width, height, depth; above 0. */
   readonly size: Vec3;
-  /** Its axes in the world, as rows: to the right, downwards, and away. */
+  /** Its axes in the world, as rows: right, down, and away. */
   readonly axes: Mat3;
 }
 
-/** An axis of the box and the end of it at which a face lies. */
+/** A face of the box: an axis, and an end of it. */
 export interface Face {
   readonly axis: 0 | 1 | 2;
   readonly end: 1 | -1;
@@ -35,14 +35,14 @@ export const FACES: readonly Face[] = ([0, 1, 2] as const).flatMap((axis) => [
   { axis, end: -1 as const },
 ]);
 
-/** The smallest side, as a share of the largest: a face cannot be drawn through the other. */
+/** The smallest side, as a share of the largest: a face cannot pass its opposite. */
 const THINNEST = 0.01;
 
-/** A box of equal sides that stands upright and looks the way that somebody looks. */
+/** An upright box of equal sides in the direction of a view. */
 export function uprightBox(center: Vec3, side: number, up: Vec3, ahead: Vec3): CropBox {
   const down = scale(normalise(up), -1);
   const across = cross(down, normalise(ahead));
-  const some = Math.abs(down[0]) < 0.9 ? ([1, 0, 0] as const) : ([0, 0, 1] as const); // who looks up or down looks nowhere
+  const some = Math.abs(down[0]) < 0.9 ? ([1, 0, 0] as const) : ([0, 0, 1] as const); // a vertical view: any direction
   const right = normalise(length(across) > 1e-6 ? across : cross(down, some));
   return { center, size: [side, side, side], axes: fromRows(right, down, cross(right, down)) };
 }
@@ -52,7 +52,7 @@ export const outwards = (box: CropBox, { axis, end }: Face): Vec3 => scale(row(b
 export const middleOf = (box: CropBox, face: Face): Vec3 =>
   add(box.center, scale(outwards(box, face), box.size[face.axis] / 2));
 
-/** The eight corners: bit i of a corner's number tells at which end of axis i it is. */
+/** The eight corners: bit i of a corner's number is its end of axis i. */
 export function corners(box: CropBox): Vec3[] {
   return Array.from({ length: 8 }, (_, number) => {
     let corner = box.center;
@@ -64,7 +64,7 @@ export function corners(box: CropBox): Vec3[] {
   });
 }
 
-/** The twelve edges as pairs of corners, each with the two faces that meet there. */
+/** The twelve edges as pairs of corners, each with its two faces. */
 export const EDGES: readonly { readonly ends: readonly [number, number]; readonly faces: readonly [Face, Face] }[] = (
   [0, 1, 2] as const
 ).flatMap((along) => {
@@ -84,10 +84,10 @@ export const EDGES: readonly { readonly ends: readonly [number, number]; readonl
 export const faces = (box: CropBox, face: Face, eye: Vec3): boolean =>
   dot(subtract(eye, middleOf(box, face)), outwards(box, face)) > 0;
 
-/** How nearly a face's direction points at the eye before its handle cannot be dragged: the sine of the angle. */
+/** Sine of the smallest angle between a face's direction and the eye's for a usable handle. */
 const END_ON = 0.16;
 
-/** Whether a face is seen so straight that moving it in or out would not show. */
+/** Whether a face is seen so straight that a motion along its axis would be invisible. */
 export function seenEndOn(box: CropBox, face: Face, eye: Vec3): boolean {
   const ray = normalise(subtract(eye, middleOf(box, face)));
   return length(cross(ray, outwards(box, face))) < END_ON;
@@ -101,7 +101,7 @@ export function withFaceMoved(box: CropBox, face: Face, by: number): CropBox {
   return { ...box, size, center: add(box.center, scale(outwards(box, face), moved / 2)) };
 }
 
-/** The box turned about its upright axis, radians, counter-clockwise seen from above. */
+/** The box after a turn about its upright axis, radians, counter-clockwise seen from above. */
 export function turned(box: CropBox, angle: number): CropBox {
   const up = scale(row(box.axes, 1), -1);
   const [x, y, z] = ([0, 1, 2] as const).map((axis) => rotateAbout(row(box.axes, axis), up, angle)) as [
@@ -112,7 +112,7 @@ export function turned(box: CropBox, angle: number): CropBox {
   return { ...box, axes: fromRows(x, y, z) };
 }
 
-/** The unit quaternion w, x, y, z, with w at least 0, that takes the box's axes to the world's: its axes are columns. */
+/** The unit quaternion w, x, y, z, with w at least 0, from the box's axes to the world's: its axes are columns. */
 export function quaternionOf({ axes }: CropBox): readonly [number, number, number, number] {
   const at = (column: 0 | 1 | 2, line: 0 | 1 | 2) => axes[3 * column + line] as number;
   const squares = [
@@ -121,7 +121,7 @@ export function quaternionOf({ axes }: CropBox): readonly [number, number, numbe
     1 - at(0, 0) + at(1, 1) - at(2, 2),
     1 - at(0, 0) - at(1, 1) + at(2, 2),
   ];
-  const most = squares.indexOf(Math.max(...squares)); // the largest part, by which the others are told
+  const most = squares.indexOf(Math.max(...squares)); // largest part; the others follow from it
   const [wx, wy, wz] = [at(1, 2) - at(2, 1), at(2, 0) - at(0, 2), at(0, 1) - at(1, 0)];
   const [xy, xz, yz] = [at(0, 1) + at(1, 0), at(0, 2) + at(2, 0), at(1, 2) + at(2, 1)];
   const rows = [
@@ -135,16 +135,16 @@ export function quaternionOf({ axes }: CropBox): readonly [number, number, numbe
   return found.map((part) => part / size) as unknown as [number, number, number, number];
 }
 
-/** What `hgs edit` is to do. */
+/** The arguments of `hgs edit`. */
 export interface CropWish {
   readonly box: CropBox;
-  /** Whether what is outside is kept. */
+  /** Whether to keep the outside. */
   readonly inverse: boolean;
   /** Seconds of the scene's clock; null for all of it. */
   readonly trim: readonly [number, number] | null;
 }
 
-/** The command line that crops a run so. */
+/** The command line for cropping a run. */
 export function commandFor({ box, inverse, trim }: CropWish): string {
   const precise = (value: number) => String(Number(value.toPrecision(5)));
   const numbers = [...box.center, ...box.size, ...quaternionOf(box)].map(precise);

@@ -1,16 +1,16 @@
-/** What dragging a handle of a box does to it. */
+/** Drags of a box's handles. */
 
 import { add, cross, dot, length, normalise, row, scale, subtract, type Vec3 } from "../camera/vector";
 import { type CropBox, type Face, middleOf, outwards, turned, withFaceMoved } from "./crop_box";
 import { alongLine, type CropView, onPlane, type Pixel, rayThrough } from "./crop_view";
 
-/** A handle: of a face, of the whole box, or of its turn. */
+/** A handle: a face, the middle, or the turn. */
 export type Handle = Face | "middle" | "turn";
 
-/** How far beyond the middle of the far face the handle that turns the box is, in depths. */
+/** Distance of the turn's handle from the middle of the box, in depths. */
 export const TURN_REACH = 0.72;
 
-/** Where a handle is, in the world. */
+/** The place of a handle in the world. */
 export function placeOf(handle: Handle, box: CropBox): Vec3 {
   if (handle === "middle") return box.center;
   if (handle !== "turn") return middleOf(box, handle);
@@ -18,7 +18,9 @@ export function placeOf(handle: Handle, box: CropBox): Vec3 {
   return add(floor, scale(row(box.axes, 2), -TURN_REACH * box.size[2]));
 }
 
-/** The box after a drag of a handle from one place of the picture to another; as it was where that says nothing. */
+/**
+ * The box after a drag of a handle from one place of the picture to another; unchanged if the drag defines no motion.
+ */
 export function dragged(handle: Handle, box: CropBox, from: Pixel, to: Pixel, view: CropView): CropBox {
   const place = placeOf(handle, box);
   if (handle === "turn") return turnedBy(box, place, from, to, view);
@@ -32,12 +34,12 @@ export function dragged(handle: Handle, box: CropBox, from: Pixel, to: Pixel, vi
   return a === null || b === null ? box : withFaceMoved(box, handle, b - a);
 }
 
-/** How steeply the floor must be seen, as a sine, for a drag to go round on it. */
+/** Sine of the smallest angle to the floor for a drag around it. */
 const STEEP = 0.2;
 
 /**
- * About the upright axis, by the angle between where the floor is seen at both places; where it is seen nearly from its
- * edge, by how far the drag goes along the handle's way.
+ * The angle of a turn about the upright axis: between the floor's points at both places, or, if the floor is seen
+ * nearly from its edge, by the length of the drag along the handle's path.
  */
 function turnedBy(box: CropBox, place: Vec3, from: Pixel, to: Pixel, view: CropView): CropBox {
   const up = scale(row(box.axes, 1), -1);

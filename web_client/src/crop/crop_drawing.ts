@@ -1,4 +1,4 @@
-/** A box over the picture: its edges, those behind it dashed, its sides in numbers, and handles to drag. */
+/** The drawing of a box over the picture: its edges, hidden ones dashed, the lengths of its sides, and handles. */
 
 import { add, row, scale, type Vec3 } from "../camera/vector";
 import { type CropBox, corners, EDGES, FACES, faces, seenEndOn } from "./crop_box";
@@ -6,7 +6,7 @@ import { type Handle, placeOf, TURN_REACH } from "./crop_drag";
 import { type CropView, type Pixel, seenAt, seenLine } from "./crop_view";
 
 const RING_STEPS = 64;
-const GRIP = 22; // CSS pixels from a handle's middle: what a finger needs
+const GRIP = 22; // CSS pixels around a handle's middle: enough for a finger
 const DOT = 7;
 
 const HANDLES: readonly { readonly handle: Handle; readonly name: string }[] = [
@@ -30,7 +30,11 @@ export class CropDrawing {
     return { handle, group };
   });
 
-  /** @param grab is called when a handle is pressed. */
+  /**
+   * Create the drawing.
+   *
+   * @param grab is called when a handle is pressed.
+   */
   constructor(grab: (handle: Handle, event: PointerEvent, group: SVGElement) => void, signal: AbortSignal) {
     const groups = this.#handles.map(({ group }) => group);
     this.node.append(
@@ -48,7 +52,7 @@ export class CropDrawing {
     }
   }
 
-  /** Draw a box as it is seen; `inverse`: what is inside goes. */
+  /** Draw a box in a view; `inverse`: the inside is removed. */
   show(box: CropBox, inverse: boolean, view: CropView): void {
     const { width, height } = view.camera;
     const places = corners(box);
@@ -80,7 +84,7 @@ export class CropDrawing {
     }
   }
 
-  /** The circle on the floor on which the handle goes that turns the box. */
+  /** The path of the turn's handle: a circle on the floor. */
   #showRing(box: CropBox, view: CropView): void {
     const floor = add(box.center, scale(row(box.axes, 1), box.size[1] / 2));
     const radius = TURN_REACH * box.size[2];
@@ -93,7 +97,7 @@ export class CropDrawing {
     this.#ring.setAttribute("d", lines.map((line) => (line ? pathOf(line) : "")).join(""));
   }
 
-  /** On the edge of each axis that is seen lowest in the picture and does not lie behind. */
+  /** Show the length of each axis at its lowest edge in the picture that is not hidden. */
   #showLengths(box: CropBox, view: CropView): void {
     const places = corners(box);
     this.#lengths.forEach((text, axis) => {
@@ -117,7 +121,7 @@ export class CropDrawing {
   }
 }
 
-/** The corners of the convex outline of places, in order (Andrew's monotone chain). */
+/** The convex hull of places, in order (Andrew's monotone chain). */
 export function hull(places: readonly Pixel[]): Pixel[] {
   const sorted = [...places].sort(([a, b], [c, d]) => a - c || b - d);
   const half = (points: readonly Pixel[]) => {

@@ -1,4 +1,4 @@
-/** The numbers of a box, what is kept of it, and the command line for it. */
+/** The panel of the crop tool: the numbers of a box, the kept part, and the command line. */
 
 import { element, icon, setText } from "../dom/element";
 import { formatTime } from "../dom/format";
@@ -9,10 +9,10 @@ const SIDES = ["Width", "Height", "Depth"] as const;
 const PLACES = ["X", "Y", "Z"] as const;
 
 export interface CropPanelEvents {
-  /** A number of the box was typed. */
+  /** A number of the box was entered. */
   changed(box: CropBox): void;
   inverted(inverse: boolean): void;
-  /** Back to the first box. */
+  /** Return to the first box. */
   reset(): void;
   close(): void;
 }
@@ -76,12 +76,12 @@ export class CropPanel {
     });
   }
 
-  /** Whether numbers are put away. */
+  /** Whether the numbers are hidden. */
   set compact(compact: boolean) {
     this.#numbers.open = !compact;
   }
 
-  /** Show what is drawn; `start` is the scene's, seconds. */
+  /** Show a crop; `start` is the scene's, seconds. */
   show(wish: CropWish, start: number): void {
     this.#box = wish.box;
     const root = this.node.getRootNode() as ShadowRoot;
@@ -122,7 +122,7 @@ export class CropPanel {
       await navigator.clipboard.writeText(this.#command.textContent ?? "");
       setText(this.#copy, "Copied");
     } catch {
-      // As on http without a certificate: the text is marked, so that a key copies it.
+      // The clipboard may be missing, as over http without a certificate: the text is selected for a copy by key.
       getSelection()?.selectAllChildren(this.#command);
       this.#command.focus();
       setText(this.#copy, "Marked: copy it with Ctrl + C");
@@ -130,7 +130,7 @@ export class CropPanel {
   }
 }
 
-/** A number as people would type it, to four digits. */
+/** A number with four digits and no zeros at its end. */
 const fourDigits = (value: number): string => String(Number(value.toPrecision(4)));
 
 function number(name: string): { readonly label: HTMLElement; readonly input: HTMLInputElement } {

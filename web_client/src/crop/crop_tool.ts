@@ -1,4 +1,4 @@
-/** Drawing a box around what is to be kept of a scene, over its picture; `hgs edit` crops to it. */
+/** The crop tool: a box over the picture around the part of a scene to keep, for `hgs edit`. */
 
 import { project } from "../camera/pinhole";
 import { row } from "../camera/vector";
@@ -11,10 +11,10 @@ import { CropDrawing } from "./crop_drawing";
 import { CropPanel } from "./crop_panel";
 import { cropViewOf, type Pixel } from "./crop_view";
 
-/** Side of the first box, as a share of the smaller side of the picture where it stands. */
+/** Side of the first box, as a share of the smaller side of the picture at its distance. */
 const FIRST_SIDE = 0.36;
 
-/** CSS pixels of a player below which the panel covers no more of the picture than it must. */
+/** Width of a player, CSS pixels, below which the panel covers as little as possible. */
 const NARROW = 620;
 
 export class CropTool {
@@ -22,9 +22,13 @@ export class CropTool {
   readonly #panel: CropPanel;
   #box: CropBox | null = null;
   #inverse = false;
-  #frame = 0; // 0 while none is asked for
+  #frame = 0; // 0 without a requested frame
 
-  /** @param root all of the player, in its shadow root. */
+  /**
+   * Create the tool.
+   *
+   * @param root root element of the player, in its shadow root.
+   */
   constructor(
     readonly player: HgsPlayer,
     readonly root: HTMLElement,
@@ -70,7 +74,7 @@ export class CropTool {
     this.#draw();
   }
 
-  /** In the middle of what the cameras look at, all of it in the picture; null without a scene. */
+  /** A box in the middle of the captured scene, entirely in the picture; null without a scene. */
   #firstBox(): CropBox | null {
     const { manifest } = this.player;
     const view = this.#view();
@@ -82,7 +86,7 @@ export class CropTool {
     return uprightBox(center, side, up, row(view.pose.rotation, 2));
   }
 
-  /** Another scene has another world. */
+  /** Forget the box: another scene has another world. */
   #forget(): void {
     if (this.active) this.toggle();
     this.#box = null;

@@ -1,7 +1,6 @@
-/** From where a box is seen: places of the picture, CSS pixels, as points and rays of the world. */
+/** The view of a box: places of the picture, CSS pixels, and points and rays of the world. */
 
-import { fitted, type Intrinsics, type Pose, poseAt, project } from "../camera/pinhole";
-import { startCamera } from "../camera/start";
+import { fitted, type Intrinsics, type Pose, poseAt, project, startCamera } from "../camera/pinhole";
 import { add, cross, dot, fromRows, normalise, row, scale, subtract, type Vec3 } from "../camera/vector";
 import type { HgsPlayer } from "../player/hgs_player";
 
@@ -24,13 +23,13 @@ export function cropViewOf(player: HgsPlayer, { width, height }: { width: number
   return { pose, camera: fitted(startCamera(manifest, camera.name).camera, width, height), eye: viewing.position };
 }
 
-/** Where a point is seen; null if it is behind the eye. */
+/** The place of a point; null if it is behind the eye. */
 export function seenAt(point: Vec3, { pose, camera }: CropView): Pixel | null {
   const [x, y, depth] = project(point, pose, camera);
   return depth > camera.near * 0.01 ? [x, y] : null;
 }
 
-/** A line, cut where it goes behind the eye; null if all of it is there. */
+/** The places of a line's ends, with the part behind the eye cut off; null if all of it is. */
 export function seenLine(from: Vec3, to: Vec3, view: CropView): readonly [Pixel, Pixel] | null {
   const depth = (point: Vec3) => project(point, view.pose, view.camera)[2];
   const nearest = view.camera.near * 0.1;
@@ -42,24 +41,27 @@ export function seenLine(from: Vec3, to: Vec3, view: CropView): readonly [Pixel,
   return start && end && [start, end];
 }
 
-/** The unit direction of what is seen at a place. */
+/** The unit direction of the ray through a place. */
 export function rayThrough([x, y]: Pixel, { pose, camera }: CropView): Vec3 {
   const [right, down, ahead] = ([0, 1, 2] as const).map((i) => row(pose.rotation, i)) as [Vec3, Vec3, Vec3];
   const aside = add(scale(right, (x - camera.cx) / camera.fx), scale(down, (y - camera.cy) / camera.fy));
   return normalise(add(aside, ahead));
 }
 
-/** How far along a line, in lengths of its unit direction, it comes nearest to what is seen at a place. */
+/** Position along a line, in lengths of its unit direction, nearest to the ray through a place. */
 export function alongLine(origin: Vec3, direction: Vec3, pixel: Pixel, view: CropView): number | null {
   const ray = rayThrough(pixel, view);
   const slant = dot(ray, direction);
   const apart = 1 - slant * slant;
-  if (apart < 1e-4) return null; // it is seen end on
+  if (apart < 1e-4) return null; // the line points at the eye
   const between = subtract(view.eye, origin);
   return (dot(between, direction) - slant * dot(between, ray)) / apart;
 }
 
-/** Where a plane through a point is seen at a place; null if it is seen from the edge, or behind the eye. */
+/**
+ * The intersection of a plane through a point with the ray through a place; null if the plane is seen from its edge, or
+ * behind the eye.
+ */
 export function onPlane(point: Vec3, normal: Vec3, pixel: Pixel, view: CropView): Vec3 | null {
   const ray = rayThrough(pixel, view);
   const slant = dot(ray, normal);

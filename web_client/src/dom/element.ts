@@ -1,4 +1,4 @@
-/** Building the page: elements with attributes, listeners and children in one expression. Text is never parsed as HTML. */
+/** Elements with attributes, listeners and children in one expression. Text is never parsed as HTML. */
 
 type Child = Node | string | null;
 
@@ -35,7 +35,7 @@ export function icon(path: string): SVGSVGElement {
   return svg;
 }
 
-/** Set the text only if it differs: pages that update often stay calm for screen readers and for the browser. */
+/** Set the text only if it differs: fewer announcements of screen readers, and less work for the browser. */
 export function setText(target: Element, text: string): void {
   if (target.textContent !== text) target.textContent = text;
 }

@@ -3,11 +3,7 @@
 export const PLAY = "M8 5.5v13l11-6.5z";
 export const PAUSE = "M7 5.5h3.6v13H7zM13.4 5.5H17v13h-3.6z";
 export const REPLAY = "M12 5V2L7.5 6 12 10V7a5.5 5.5 0 1 1-5.5 5.5h-2A7.5 7.5 0 1 0 12 5z";
-export const LOOP = "M7 7h9v3l4.5-4L16 2v3H5v7h2zm10 10H8v-3l-4.5 4L8 22v-3h11v-7h-2z";
-export const CAMERA =
-  "M4 7h3l1.6-2h6.8L17 7h3a1 1 0 0 1 1 1v10a1 1 0 0 1-1 1H4a1 1 0 0 1-1-1V8a1 1 0 0 1 1-1zm8 2.5a3.5 3.5 0 1 0 0 7 3.5 3.5 0 0 0 0-7z";
 export const BACK = "M14.5 5 7.5 12l7 7 1.5-1.5L10.5 12 16 6.5z";
-export const STATS = "M4 19h16v1.8H4zM5 11h3v6H5zm5.5-6h3v12h-3zM16 8h3v9h-3z";
 export const FULLSCREEN = "M4 4h6v2H6v4H4zm10 0h6v6h-2V6h-4zM4 14h2v4h4v2H4zm14 0h2v6h-6v-2h4z";
 export const CLOSE = "M6.4 5 12 10.6 17.6 5 19 6.4 13.4 12 19 17.6 17.6 19 12 13.4 6.4 19 5 17.6 10.6 12 5 6.4z";
 export const PLUS = "M11 5h2v6h6v2h-6v6h-2v-6H5v-2h6z";

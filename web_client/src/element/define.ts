@@ -1,4 +1,4 @@
-/** Registers `<hgs-player>`: `import "@hgs/player/element"`. */
+/** Registration of `<hgs-player>`: `import "@hgs/player/element"`. */
 
 import { HgsPlayerElement } from "./player_element";
 
@@ -10,5 +10,5 @@ declare global {
   }
 }
 
-// A page may load two copies of this module; the first one counts.
+// A page may load two copies of this module; the first one wins.
 if (!customElements.get("hgs-player")) customElements.define("hgs-player", HgsPlayerElement);

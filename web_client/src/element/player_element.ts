@@ -1,6 +1,6 @@
 /**
- * `<hgs-player>`: a scene in a page, as `<video>` is a film. Its attributes, properties, methods and events have the names and
- * the meaning of HTMLMediaElement where that has them.
+ * `<hgs-player>`: a scene in a page, as `<video>` is a film. Attributes, properties, methods and events have the names
+ * and meanings of HTMLMediaElement where it has them.
  */
 
 import { adoptStylesAgain } from "../dom/shadow_style";
@@ -44,9 +44,9 @@ export class HgsPlayerElement extends HTMLElement {
   static readonly observedAttributes = ["src", "poster", "controls", "loop", "muted"];
 
   readonly #view = new PlayerView(this, { controls: false });
-  #shown: string | null = null; // the address that is loaded
-  #loads = false; // soon
-  #left: (Beginning & { readonly src: string; time: number }) | null = null; // where it was when it was taken out of the page
+  #shown: string | null = null; // address of the loaded scene
+  #loads = false; // a load is scheduled
+  #left: (Beginning & { readonly src: string; time: number }) | null = null; // the state at its removal from the page
 
   constructor() {
     super();
@@ -57,12 +57,14 @@ export class HgsPlayerElement extends HTMLElement {
     }
   }
 
-  /** All that the player can do: its camera, its statistics, pictures. */
+  /** The element's player, with its camera, statistics and pictures. */
   get player(): HgsPlayer {
     return this.#view.player;
   }
 
-  /** Address of the scene: a manifest.json or its folder, a server's page of it, or a stream. Reflects the attribute. */
+  /**
+   * Address of the scene: a manifest.json or its folder, a server's page of it, or a stream. Reflects the attribute.
+   */
   get src(): string {
     return this.getAttribute("src") ?? "";
   }
@@ -71,7 +73,7 @@ export class HgsPlayerElement extends HTMLElement {
     this.setAttribute("src", src);
   }
 
-  /** Address of the picture that is shown until the scene has one. Reflects the attribute. */
+  /** Address of the picture until the scene's first one. Reflects the attribute. */
   get poster(): string {
     return this.getAttribute("poster") ?? "";
   }
@@ -80,7 +82,10 @@ export class HgsPlayerElement extends HTMLElement {
     this.setAttribute("poster", poster);
   }
 
-  /** Whether the scene plays as soon as it is there, unless the visitor's system asks for less motion. Reflects the attribute. */
+  /**
+   * Whether the scene plays as soon as it is ready, unless the visitor's system asks for less motion. Reflects the
+   * attribute.
+   */
   get autoplay(): boolean {
     return this.hasAttribute("autoplay");
   }
@@ -117,7 +122,7 @@ export class HgsPlayerElement extends HTMLElement {
     else this.player.currentTime = time;
   }
 
-  /** Seconds; NaN until it is known. */
+  /** Seconds; NaN until the manifest is there. */
   get duration(): number {
     return this.player.duration;
   }
@@ -139,7 +144,7 @@ export class HgsPlayerElement extends HTMLElement {
     this.player.playbackRate = rate;
   }
 
-  /** Whether it is silent; the attribute says so of the beginning. */
+  /** Whether the sound is muted; the attribute is the initial state. */
   get muted(): boolean {
     return this.player.muted;
   }
@@ -148,7 +153,7 @@ export class HgsPlayerElement extends HTMLElement {
     this.player.muted = muted;
   }
 
-  /** How loud, from 0 to 1. */
+  /** Loudness, from 0 to 1. */
   get volume(): number {
     return this.player.volume;
   }
@@ -177,7 +182,7 @@ export class HgsPlayerElement extends HTMLElement {
     this.#left = null;
     if (!left && this.autoplay && !matchMedia("(prefers-reduced-motion: reduce)").matches) this.player.play();
     const beginning = left ?? { time: this.#seconds("time"), camera: this.getAttribute("camera") };
-    this.player.load(this.#shown, beginning).catch(() => {}); // told by `error`
+    this.player.load(this.#shown, beginning).catch(() => {}); // the event `error` reports failures
   }
 
   connectedCallback(): void {
@@ -185,7 +190,10 @@ export class HgsPlayerElement extends HTMLElement {
     if (this.#shown !== this.getAttribute("src")) this.#loadSoon();
   }
 
-  /** Taken out of the page, it gives everything back; put in again, it loads again, and goes on where it was. */
+  /**
+   * Release everything on removal from the page. An element that is inserted again loads again, and continues where it
+   * was.
+   */
   disconnectedCallback(): void {
     queueMicrotask(() => {
       if (this.isConnected) return; // it was moved
@@ -208,7 +216,7 @@ export class HgsPlayerElement extends HTMLElement {
     else this.player[name as "muted" | "loop"] = value !== null;
   }
 
-  /** Once all attributes are there. */
+  /** Load once all attributes are set. */
   #loadSoon(): void {
     if (this.#loads || !this.isConnected) return;
     this.#loads = true;
@@ -227,7 +235,7 @@ export class HgsPlayerElement extends HTMLElement {
     return null;
   }
 
-  /** Hand a value that lies on the element itself to the property that hides under it. */
+  /** Pass on a value that was set on the element before its definition. */
   #adopt(name: (typeof PROPERTIES)[number]): void {
     if (!Object.hasOwn(this, name)) return;
     const value = this[name];

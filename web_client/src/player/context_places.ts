@@ -1,18 +1,18 @@
 /**
- * Which players of a page have a graphics context: a browser gives a page so many, and takes the oldest away from whoever has it
- * when there is one more. So those that nobody sees give theirs back, and then those that stand, and then the oldest.
+ * The distribution of graphics contexts among a page's players: a browser allows a number of them, and takes the oldest
+ * away for each one more. So players out of sight return theirs first, then paused ones, then the oldest.
  */
 
-/** Chromium and Safari give 16; two are left for the page's own. */
+/** Chromium and Safari allow 16; two are left for the page itself. */
 const PLACES = 14;
 
-/** How readily a player gives its context back: the higher, the sooner. */
+/** Readiness of a player to return its context: the higher, the sooner. */
 export enum Readiness {
-  /** It is seen and has no picture yet, or somebody waits for one. */
+  /** Visible without a picture, or with a pending request for one. */
   Never,
   Playing,
   Standing,
-  /** It is not seen, but has no picture yet: it wants the context again. */
+  /** Out of sight without a picture: it needs the context again. */
   Loading,
   OutOfSight,
 }
@@ -22,16 +22,16 @@ export interface Tenant {
   readonly readiness: Readiness;
   /** Take a context. */
   take(): void;
-  /** Give it back, and keep the picture. */
+  /** Return it, and keep the picture. */
   give(): void;
 }
 
-const holders: Tenant[] = []; // who has used it last comes last
+const holders: Tenant[] = []; // most recent user last
 const queue: Tenant[] = [];
-/** Those in the queue that had to make room although they are seen: they take what is free, and nothing from others. */
+/** Visible tenants in the queue that had to make room: they take free contexts, and no others. */
 const patient = new Set<Tenant>();
 
-/** Ask for a context; returns whether the tenant has one now, else it is given one when it can be. */
+/** Request a context; returns whether the tenant has one now. Otherwise it gets one later. */
 export function claimContext(tenant: Tenant): boolean {
   if (remove(holders, tenant)) holders.push(tenant);
   else {
@@ -42,14 +42,14 @@ export function claimContext(tenant: Tenant): boolean {
   return holders.includes(tenant);
 }
 
-/** The tenant needs no context any more, and has given back what it had. */
+/** The tenant has returned its context, and needs none. */
 export function leaveContext(tenant: Tenant): void {
   patient.delete(tenant);
   remove(queue, tenant);
   if (remove(holders, tenant)) serve();
 }
 
-/** The tenant is seen no more, or has its picture now: its context may be of more use to another. */
+/** The tenant is out of sight, or has its picture: its context may be of more use to another. */
 export function offerContext(tenant: Tenant): void {
   if (tenant.readiness === Readiness.OutOfSight) {
     if (patient.delete(tenant)) remove(queue, tenant);
@@ -64,7 +64,7 @@ function serve(): void {
     if (holders.length >= PLACES) {
       if (patient.has(next)) return;
       const least = next.seen ? Readiness.Playing : Readiness.OutOfSight;
-      const [other] = [...holders].sort((a, b) => b.readiness - a.readiness); // of equals the oldest
+      const [other] = [...holders].sort((a, b) => b.readiness - a.readiness); // the oldest of equals
       if (other.readiness < least) return;
       remove(holders, other);
       if (other.readiness !== Readiness.OutOfSight) queue.push(other);
@@ -78,7 +78,7 @@ function serve(): void {
   }
 }
 
-/** Returns whether it was there. */
+/** Remove a tenant from a list; returns whether it was in it. */
 function remove(from: Tenant[], tenant: Tenant): boolean {
   const place = from.indexOf(tenant);
   if (place >= 0) from.splice(place, 1);

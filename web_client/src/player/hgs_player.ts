@@ -1,27 +1,27 @@
-/** The player as pages know it: a scene's picture in an element of theirs, and everything that can be asked of it. */
+/** The player's interface for pages: a scene's picture in an element of the page, and all its operations. */
 
+import type { Quality } from "../renderer/fineness";
 import { checkedSplats } from "../renderer/fineness";
-import type { Quality } from "../renderer/quality_names";
 import type { PlayerClock } from "../scene/clock";
 import { openSource } from "../source/open_source";
 import type { OpenSource } from "../source/scene_source";
 import { claimContext, leaveContext, offerContext, Readiness, type Tenant } from "./context_places";
 import type { Beginning, HgsPlayerEvents, HgsPlayerOptions } from "./hgs_player_events";
 import { type Asked, asked } from "./media_api";
-import { ScreenedScene } from "./mounted_scene";
+import { MountedScene } from "./mounted_scene";
 import { PlayerCamera } from "./player_camera";
-import { PicturedPlayer } from "./player_readings";
+import { PlayerReadings } from "./player_readings";
 
 /**
- * Plays one scene at a time, without controls. Times are seconds on the scene's clock, which runs from `start` to `end`.
+ * A player of one scene at a time, without controls. Times are seconds on the scene's clock, which runs from `start` to `end`.
  *
  * @example
  * const player = new HgsPlayer(document.querySelector("#scene"), { loop: true });
  * await player.load("https://cdn.example/studio/manifest.json");
  * player.play();
  */
-export class HgsPlayer extends PicturedPlayer {
-  /** From where the scene is seen. */
+export class HgsPlayer extends PlayerReadings {
+  /** The camera of the scene. */
   readonly camera = new PlayerCamera(() => this.#scene?.viewpoint ?? null);
   protected readonly asked: Asked;
   readonly #stage: HTMLElement;
@@ -29,9 +29,9 @@ export class HgsPlayer extends PicturedPlayer {
   readonly #disposed = new AbortController();
   #src: string | OpenSource | null = null;
   #beginning: Beginning = {};
-  #scene: ScreenedScene | null = null;
+  #scene: MountedScene | null = null;
   #seen = true;
-  #waiting: { resolve(): void; reject(error: Error): void } | null = null; // for a graphics context, for the scene that is to be loaded
+  #waiting: { resolve(): void; reject(error: Error): void } | null = null; // pending request for a graphics context
   readonly #tenant: Tenant;
   #quality: Quality;
   #splatBudget: number;
@@ -39,6 +39,8 @@ export class HgsPlayer extends PicturedPlayer {
   #volume: number;
 
   /**
+   * Create a player.
+   *
    * @param stage an element of the page with a size and a position of its own (not `static`); the picture fills it.
    * @throws RangeError if `playbackRate` is not in (0, 16], or `splatBudget` not at least 1.
    */
@@ -70,7 +72,10 @@ export class HgsPlayer extends PicturedPlayer {
     this.addEventListener("frame", () => offerContext(this.#tenant));
   }
 
-  /** Whether anybody sees the player, which nobody need say: one that is not seen, and stands, gives its graphics context back. */
+  /**
+   * Whether the player is visible, which pages need not set: one that is paused out of sight returns its graphics
+   * context.
+   */
   get seen(): boolean {
     return this.#seen;
   }
@@ -88,12 +93,12 @@ export class HgsPlayer extends PicturedPlayer {
   }
 
   /**
-   * Load a scene in place of the one that is there.
+   * Load a scene in place of the present one.
    *
-   * @param src where it is (see `openSource`), or a source of one's own.
-   * @param beginning what to see first, in place of what the player was made with.
-   * @returns a promise that is fulfilled once everything to be seen at the first time is drawn, and rejected if the scene
-   *   cannot be shown or another one takes its place. Who listens to `error` may leave it alone.
+   * @param src its address (see `openSource`), or a source.
+   * @param beginning the first view, in place of the player's options.
+   * @returns a promise that is fulfilled once everything visible at the first time is drawn, and rejected if the scene
+   *   cannot be shown or is replaced. Listeners of `error` may ignore it.
    */
   load(src: string | OpenSource, beginning: Beginning = {}): Promise<void> {
     this.#src = src;
@@ -101,12 +106,12 @@ export class HgsPlayer extends PicturedPlayer {
     const shown = this.#load(src);
     shown.then(
       () => this.tell("ready", null),
-      () => {}, // told by `error`, or left on purpose
+      () => {}, // reported by `error`, or intentional
     );
     return shown;
   }
 
-  /** Load the same scene again, and show it from the same place at the same time. See `load`. */
+  /** Load the same scene again, with the same view and time. See `load`. */
   reload(): Promise<void> {
     if (this.#src === null) return Promise.reject(new Error("nothing has been loaded yet"));
     const { currentTime } = this;
@@ -120,7 +125,7 @@ export class HgsPlayer extends PicturedPlayer {
     return shown;
   }
 
-  /** Empty the stage. */
+  /** Remove the scene. */
   unload(): void {
     this.#waiting?.reject(new DOMException("the scene has been removed", "AbortError"));
     this.#scene?.dispose();
@@ -130,18 +135,18 @@ export class HgsPlayer extends PicturedPlayer {
     this.asked.time = null; // another scene begins at its own start
   }
 
-  /** Stop for good and give everything back. */
+  /** Stop for good and release everything. */
   dispose(): void {
     this.unload();
     this.#disposed.abort();
   }
 
-  /** Aborts when the player is disposed of. */
+  /** Signal that aborts when the player is disposed of. */
   get disposed(): AbortSignal {
     return this.#disposed.signal;
   }
 
-  /** How finely pictures are drawn: see `Quality`. */
+  /** Fineness of pictures: see `Quality`. */
   get quality(): Quality {
     return this.#quality;
   }
@@ -152,8 +157,8 @@ export class HgsPlayer extends PicturedPlayer {
   }
 
   /**
-   * So many splats are drawn at most, the most useful ones of those that the picture can show; at least 1, or a RangeError is
-   * thrown. Quality `low`, `auto` on a slow device, and headsets may draw fewer.
+   * Largest number of splats drawn, the most useful ones of the view; at least 1, or a RangeError is thrown. Quality
+   * `low`, `auto` on a slow device, and headsets may draw fewer.
    */
   get splatBudget(): number {
     return this.#splatBudget;
@@ -165,8 +170,8 @@ export class HgsPlayer extends PicturedPlayer {
   }
 
   /**
-   * Whether a scene that has sound is silent. A player that begins before the visitor has touched the page mutes itself: no
-   * browser lets it sound then.
+   * Whether a scene with sound is muted. A player that begins before the visitor has touched the page mutes itself,
+   * because no browser allows sound then.
    */
   get muted(): boolean {
     return this.#muted;
@@ -177,7 +182,7 @@ export class HgsPlayer extends PicturedPlayer {
     this.tell("volumechange", null);
   }
 
-  /** How loud, from 0 to 1; another number is taken for the nearest. */
+  /** Loudness, from 0 to 1; other numbers are clamped. */
   get volume(): number {
     return this.#volume;
   }
@@ -187,12 +192,16 @@ export class HgsPlayer extends PicturedPlayer {
     this.tell("volumechange", null);
   }
 
-  /** The stretch of time that playing repeats, seconds, whether or not `loop`; null for none, and without a scene. */
+  /** The stretch of time that playing repeats, seconds, independent of `loop`; null for none, and without a scene. */
   get loopRange(): readonly [number, number] | null {
     return this.#scene?.clock?.range ?? null;
   }
 
-  /** @throws RangeError if it is not start <= from < to <= end of the scene that is there. */
+  /**
+   * Set the repeated stretch.
+   *
+   * @throws RangeError unless start <= from < to <= end of the present scene.
+   */
   set loopRange(range: readonly [number, number] | null) {
     const clock = this.#scene?.clock;
     if (range !== null && !(clock && clock.start <= range[0] && range[0] < range[1] && range[1] <= clock.end)) {
@@ -201,7 +210,7 @@ export class HgsPlayer extends PicturedPlayer {
     if (clock) clock.range = range;
   }
 
-  protected get screened(): ScreenedScene | null {
+  protected get mounted(): MountedScene | null {
     return this.#scene;
   }
 
@@ -225,13 +234,13 @@ export class HgsPlayer extends PicturedPlayer {
     this.unload();
     this.asked.time = this.#beginning.time ?? this.asked.time;
     this.tell("loadstart", null);
-    while (!claimContext(this.#tenant)) await this.#place(); // so many others have one
+    while (!claimContext(this.#tenant)) await this.#place(); // all contexts are in use
     try {
       const open = typeof src === "string" ? openSource(src) : src;
       const { antialiased = null, memoryBudget } = this.#options;
       const [time, playing, viewpoint] = [this.asked.time, this.asked.playing, this.#viewpoint()];
       const options = { open, time, playing, antialiased, memoryBudget, viewpoint };
-      this.#scene = new ScreenedScene(this.#stage, options, (type, detail) => this.#heard(type, detail));
+      this.#scene = new MountedScene(this.#stage, options, (type, detail) => this.#heard(type, detail));
       this.#scene.player.quality = this.#quality;
       this.#scene.player.splatBudget = this.#splatBudget;
     } catch (error) {
@@ -261,9 +270,9 @@ export class HgsPlayer extends PicturedPlayer {
   }
 
   /** Play the scene's sound, too. */
-  async #listen(scene: ScreenedScene): Promise<void> {
+  async #listen(scene: MountedScene): Promise<void> {
     try {
-      const { SceneSound } = await import("../sound/scene_sound"); // most scenes need none of it
+      const { SceneSound } = await import("../sound/scene_sound"); // not needed for most scenes
       if (!scene.gone.aborted) new SceneSound(this, scene.player, scene.gone);
       this.tell("volumechange", null);
     } catch (error) {
@@ -291,7 +300,7 @@ export class HgsPlayer extends PicturedPlayer {
   }
 }
 
-/** What of a stretch of time lies in a scene; null if nothing does. */
+/** The part of a stretch of time inside a scene; null if there is none. */
 function within([from, to]: readonly [number, number], { start, end }: PlayerClock): readonly [number, number] | null {
   const range = [Math.max(from, start), Math.min(to, end)] as const;
   return range[0] < range[1] ? range : null;

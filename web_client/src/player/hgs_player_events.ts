@@ -1,42 +1,42 @@
-/** What a player tells a page, and what a page may ask of it. */
+/** The events and options of a player. */
 
 import type { Manifest } from "../codec/types";
-import type { Quality } from "../renderer/quality_names";
+import type { Quality } from "../renderer/fineness";
 import type { Viewing, ViewpointOptions } from "./viewpoint";
 
-/** What of a scene is seen first. */
+/** The first view of a scene. */
 export interface Beginning {
-  /** Seconds on the scene's clock; the scene's start if left out. */
+  /** Seconds on the scene's clock; undefined for the scene's start. */
   readonly time?: number | null;
-  /** Name of the capture camera; the first if left out. */
+  /** Name of the capture camera; undefined for the first. */
   readonly camera?: string | null;
-  /** Where the camera stands; as the capture camera if left out. */
+  /** Position of the camera; undefined for that of the capture camera. */
   readonly view?: Viewing | null;
   /** The stretch of time to repeat; see `HgsPlayer.loopRange`. */
   readonly loopRange?: readonly [number, number] | null;
 }
 
-/** How a scene plays. */
+/** Options of playing. */
 export interface PlayingOptions {
-  /** Whether to play at once; false if left out. */
+  /** Whether to play at once; default false. */
   readonly autoplay?: boolean;
-  /** Whether to begin again at the end; false if left out. */
+  /** Whether to begin again at the end; default false. */
   readonly loop?: boolean;
-  /** Scene seconds per second, above 0 and at most 16; 1 if left out. */
+  /** Scene seconds per second, above 0 and at most 16; default 1. */
   readonly playbackRate?: number;
-  /** Whether to fade splats thinner than a pixel; as the scene asks for if left out. */
+  /** Whether to fade splats thinner than a pixel; the default is the scene's own setting. */
   readonly antialiased?: boolean | null;
-  /** Bytes that the scene's splats may take; by default 384 MiB, and 192 MiB on phones. What is passed makes room. */
+  /** Bytes for the scene's splats; default 384 MiB, and 192 MiB on phones. Beyond that, chunks are evicted. */
   readonly memoryBudget?: number;
-  /** So many splats are drawn at most, the most useful ones; at least 1. As many as there are if left out. */
+  /** Largest number of splats drawn, the most useful ones; at least 1. Default all. */
   readonly splatBudget?: number;
 }
 
-/** How a scene sounds that has sound. */
+/** Options of a scene's sound. */
 export interface SoundOptions {
-  /** Whether it is silent; false if left out. */
+  /** Whether it is muted; default false. */
   readonly muted?: boolean;
-  /** How loud, from 0 to 1; 1 if left out. */
+  /** Loudness, from 0 to 1; default 1. */
   readonly volume?: number;
 }
 
@@ -45,52 +45,52 @@ export interface HgsPlayerOptions
     PlayingOptions,
     SoundOptions,
     Partial<Omit<ViewpointOptions, "camera">> {
-  /** How finely pictures are drawn; `auto` if left out. */
+  /** Fineness of pictures; default `auto`. */
   readonly quality?: Quality;
 }
 
-/** What goes wrong: one line for people, and the cause for whoever looks into it. Playing may go on. */
+/** A problem: one line for people, and the cause for debugging. Playing may continue. */
 export interface PlayerProblem {
   readonly message: string;
   readonly cause: string;
 }
 
-/** The events of a player; `detail` of each is what stands here. */
+/** The events of a player, with the types of their `detail`. */
 export interface HgsPlayerEvents {
-  /** A scene is being loaded: nothing is known of it yet. */
+  /** A scene is being loaded; nothing is known about it yet. */
   loadstart: null;
-  /** The scene's description has come: its length, its cameras. */
+  /** The scene's manifest has arrived, with its length and cameras. */
   manifest: Manifest;
   /** The first picture of the scene has been drawn. */
   firstpicture: null;
-  /** Everything that is to be seen at the time of loading has been drawn. */
+  /** Everything visible at the first time has been drawn. */
   ready: null;
   play: null;
   pause: null;
   /** The playhead waits for data. */
   stalled: null;
-  /** The playhead goes on after waiting. */
+  /** The playhead continues after waiting. */
   playing: null;
   /** The playhead has moved; four times a second while it runs. */
   timeupdate: null;
-  /** All of what is to be seen at the time that was sought has been drawn. */
+  /** Everything visible at the target of a seek has been drawn. */
   seeked: null;
-  /** The end is reached, and the scene does not begin again. */
+  /** The end is reached, and the scene does not repeat. */
   ended: null;
   ratechange: null;
-  /** It is louder, or quieter, or muted, or no more; and once when the sound of a scene that has any is there. */
+  /** Volume or muting has changed; also once when the scene's sound is ready. */
   volumechange: null;
   /** The camera has moved, or the picture has another size. */
   viewchange: null;
   error: PlayerProblem;
-  /** A frame has passed: anything may have changed. Only while there is something to do. */
+  /** A frame has passed: anything may have changed. There are none while nothing happens. */
   frame: null;
 }
 
-/** The event of that name, as its listeners get it. */
+/** The event of that name, for listeners. */
 export type HgsPlayerEvent<K extends keyof HgsPlayerEvents> = CustomEvent<HgsPlayerEvents[K]>;
 
-/** How a listener hears of an event by its name. */
+/** Typed listeners of the events. */
 export interface HgsPlayerListening {
   addEventListener<K extends keyof HgsPlayerEvents>(
     type: K,

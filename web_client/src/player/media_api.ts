@@ -1,11 +1,11 @@
-/** What players and hosts' scenes have in common: playing, under the names of HTMLMediaElement. */
+/** The common interface of players and hosts' scenes: playing, under the names of HTMLMediaElement. */
 
 import type { Manifest } from "../codec/types";
 import { checkedRate } from "../scene/clock";
 import type { Playback } from "../scene/playback";
 import type { Beginning, PlayingOptions } from "./hgs_player_events";
 
-/** What a scene is to do: it counts for the one that is there, and for one that is still to come. */
+/** Requested state of a scene: for the present one, and for one that is still to load. */
 export interface Asked {
   playing: boolean;
   rate: number;
@@ -14,27 +14,31 @@ export interface Asked {
   time: number | null;
 }
 
-/** @throws RangeError if `playbackRate` is not in (0, 16]. */
+/**
+ * The requested state of the options.
+ *
+ * @throws RangeError if `playbackRate` is not in (0, 16].
+ */
 export function asked(options: PlayingOptions & Pick<Beginning, "time">): Asked {
   const { autoplay = false, playbackRate = 1, loop = false, time = null } = options;
   return { playing: autoplay, rate: checkedRate(playbackRate), loop, time };
 }
 
-/** Times are seconds on the scene's clock, which runs from `start` to `end`. */
-export abstract class PlayedScene {
-  /** What the scene says of itself; null until it has come. */
+/** Playing, paused or not. Times are seconds on the scene's clock, which runs from `start` to `end`. */
+export abstract class MediaApi {
+  /** The scene's manifest; null until it has arrived. */
   abstract readonly manifest: Manifest | null;
   protected abstract readonly asked: Asked;
-  /** Null until the scene is known. */
+  /** The playback; null until the manifest has arrived. */
   protected abstract readonly playback: Playback | null;
 
-  /** The next picture may be another one. */
+  /** The next picture may differ. */
   protected abstract changed(): void;
-  /** Fulfilled when all of what is to be seen at the playhead is drawn, by false if there is no scene. */
+  /** Fulfilled when everything visible at the playhead is drawn, by false if there is no scene. */
   protected abstract settled(): Promise<boolean>;
   protected abstract tell(type: "ratechange" | "seeked", detail: null): void;
 
-  /** The scene is known: what was asked for before counts now. */
+  /** Apply the earlier requests: the manifest has arrived. */
   protected begin(): void {
     const { loop, rate, time, playing } = this.asked;
     this.loop = loop;
@@ -44,7 +48,7 @@ export abstract class PlayedScene {
     else this.pause();
   }
 
-  /** Begin to play or go on; from the start if the end has been reached. Told by `play`. */
+  /** Play; from the start if the end has been reached. Reported by `play`. */
   play(): void {
     this.asked.playing = true;
     this.playback?.play();
@@ -60,7 +64,7 @@ export abstract class PlayedScene {
   /**
    * Move the playhead, within the scene.
    *
-   * @returns a promise that is fulfilled once all of what is to be seen then is drawn.
+   * @returns a promise that is fulfilled once everything visible then is drawn.
    * @throws RangeError if `time` is not a finite number.
    */
   async seek(time: number): Promise<void> {
@@ -89,25 +93,25 @@ export abstract class PlayedScene {
   }
 
   set currentTime(time: number) {
-    this.seek(checkedTime(time)).catch(() => {}); // what fails is told by `error`
+    this.seek(checkedTime(time)).catch(() => {}); // `error` reports failures
   }
 
-  /** Of the scene, seconds; 0 until it is known. */
+  /** Start of the scene, seconds; 0 until the manifest has arrived. */
   get start(): number {
     return this.manifest?.start ?? 0;
   }
 
-  /** Of the scene, seconds; NaN until it is known. */
+  /** End of the scene, seconds; NaN until the manifest has arrived. */
   get end(): number {
     return this.manifest?.end ?? Number.NaN;
   }
 
-  /** Seconds from start to end; NaN until it is known. */
+  /** Seconds from start to end; NaN until the manifest has arrived. */
   get duration(): number {
     return this.end - this.start;
   }
 
-  /** The stretches of time that are loaded, as disjoint [start, end] in order. */
+  /** The loaded stretches of time, as disjoint [start, end] in order. */
   get buffered(): readonly (readonly [number, number])[] {
     return this.playback?.buffer.ranges() ?? [];
   }
@@ -134,15 +138,15 @@ export abstract class PlayedScene {
   }
 }
 
-/** A class that is a `Base`, an event target or an object of a host, and a `PlayedScene`. */
-export function played<B extends abstract new (...args: never[]) => object>(
+/** A class that extends `Base`, an event target or an object of a host, by the members of `MediaApi`. */
+export function withMediaApi<B extends abstract new (...args: never[]) => object>(
   Base: B,
-  // biome-ignore lint/suspicious/noExplicitAny: so TypeScript knows a class that takes another's members
-): B & (abstract new (...args: any[]) => PlayedScene) {
+  // biome-ignore lint/suspicious/noExplicitAny: TypeScript requires it of a class with another one's members
+): B & (abstract new (...args: any[]) => MediaApi) {
   abstract class Played extends (Base as unknown as new (...args: unknown[]) => object) {}
-  const { constructor: _, ...members } = Object.getOwnPropertyDescriptors(PlayedScene.prototype);
+  const { constructor: _, ...members } = Object.getOwnPropertyDescriptors(MediaApi.prototype);
   Object.defineProperties(Played.prototype, members);
-  return Played as unknown as ReturnType<typeof played<B>>;
+  return Played as unknown as ReturnType<typeof withMediaApi<B>>;
 }
 
 function checkedTime(time: number): number {

@@ -1,14 +1,14 @@
-/** One scene in an element of a page: its canvas, its player and its viewpoint, from loading until another is loaded. */
+/** One scene in an element of a page: its canvas, its player and its viewpoint, until another scene is loaded. */
 
 import type { Manifest } from "../codec/types";
 import type { PlayerClock } from "../scene/clock";
-import { ProgressEvents } from "../scene/playback_events";
+import { ProgressEvents } from "../scene/playback";
 import type { OpenSource } from "../source/scene_source";
 import type { HgsPlayerEvents } from "./hgs_player_events";
-import { ScenePlayer } from "./scene_canvas";
+import { SceneCanvas } from "./scene_canvas";
 import { Viewpoint, type ViewpointOptions } from "./viewpoint";
 
-export interface ScreenedSceneOptions {
+export interface MountedSceneOptions {
   readonly open: OpenSource;
   /** Seconds; null for the start. */
   readonly time: number | null;
@@ -20,26 +20,30 @@ export interface ScreenedSceneOptions {
 
 type Tell = <K extends keyof HgsPlayerEvents>(type: K, detail: HgsPlayerEvents[K]) => void;
 
-export class ScreenedScene {
+export class MountedScene {
   readonly canvas = document.createElement("canvas");
   readonly viewpoint: Viewpoint;
-  readonly player: ScenePlayer;
+  readonly player: SceneCanvas;
   manifest: Manifest | null = null;
   readonly #abort = new AbortController();
   readonly #progress = new ProgressEvents();
   readonly #failed: Promise<never>;
   #fail: (error: Error) => void = () => {};
 
-  /** @throws Error if the browser has no WebGL2. */
+  /**
+   * Mount a scene.
+   *
+   * @throws Error if the browser has no WebGL2.
+   */
   constructor(
     stage: HTMLElement,
-    { open, time, playing, antialiased, memoryBudget, viewpoint }: ScreenedSceneOptions,
+    { open, time, playing, antialiased, memoryBudget, viewpoint }: MountedSceneOptions,
     readonly tell: Tell,
   ) {
     this.#failed = new Promise((_, reject) => {
       this.#fail = reject;
     });
-    this.#failed.catch(() => {}); // for whoever waits; all others hear of it by the event
+    this.#failed.catch(() => {}); // callers of settled() handle it, all others the event
     const { signal } = this.#abort;
     const { canvas } = this;
     Object.assign(canvas.style, { position: "absolute", inset: "0", width: "100%", height: "100%", display: "block" });
@@ -54,7 +58,7 @@ export class ScreenedScene {
     };
     this.viewpoint = new Viewpoint(canvas, viewpoint, events, signal);
     try {
-      this.player = new ScenePlayer({
+      this.player = new SceneCanvas({
         canvas,
         source: open,
         time,
@@ -83,12 +87,12 @@ export class ScreenedScene {
     return this.player.playback?.clock ?? null;
   }
 
-  /** Fulfilled when all of what is to be seen at the playhead is drawn; rejected if that cannot be. */
+  /** Fulfilled when everything visible at the playhead is drawn; rejected on failure. */
   settled(): Promise<void> {
     return Promise.race([this.player.settled(), this.#failed]);
   }
 
-  /** Aborts when it is taken away. */
+  /** Signal that aborts when the scene is removed. */
   get gone(): AbortSignal {
     return this.#abort.signal;
   }

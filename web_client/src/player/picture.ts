@@ -1,6 +1,6 @@
 /**
- * The picture on the canvas: drawn when it is out of date and the device has done the last one; while it moves, as finely as
- * the device can at a steady rate, and at its best once it stands.
+ * The picture on the canvas: drawn when it is out of date and the device has finished the last one; in motion in the
+ * fineness of a steady rate, at rest in the best one.
  */
 
 import type { CanvasRenderer } from "../renderer/canvas_renderer";
@@ -12,8 +12,8 @@ export class Picture {
   readonly frames = new FrameRate();
   readonly #stillness = new Stillness();
   #drawn: Shot | null = null; // null when the picture is out of date
-  #rung = 0; // of the ladder of finenesses, on which it was drawn
-  #aim = 0; // the rung on which to draw now
+  #rung = 0; // rung of the last picture on the ladder of finenesses
+  #aim = 0; // rung for the next picture
   #first: number | null = null;
 
   constructor(
@@ -26,12 +26,12 @@ export class Picture {
     return this.#first;
   }
 
-  /** How finely the last picture was drawn. */
+  /** Fineness of the last picture. */
   get fineness(): Fineness {
     return LADDER[this.#rung];
   }
 
-  /** So many splats should be in its order at most, as of the last `update`. */
+  /** Largest number of splats for its order, as of the last `update`. */
   get splats(): number {
     return this.renderer.quality.splats(this.#aim);
   }
@@ -41,7 +41,7 @@ export class Picture {
     this.#drawn = null;
   }
 
-  /** Whether `shot` is drawn as well as it can be; while the scene moves, as well as it is drawn in motion. */
+  /** Whether `shot` is drawn in the best fineness, or in motion in that of motion. */
   shows(shot: Shot, moving: boolean): boolean {
     return !this.renderer.lost && this.#current(shot) && (moving || this.#rung === this.renderer.quality.resting);
   }
@@ -49,7 +49,7 @@ export class Picture {
   /**
    * Draw if it is time to; called once per frame of the browser. `moving`: the scene moves. `now` in milliseconds.
    *
-   * Returns whether the next frame may draw more although nothing has changed until then.
+   * Returns whether the next frame may draw more even if nothing changes until then.
    */
   update(shot: Shot, moving: boolean, now: number): boolean {
     const still = this.#stillness.update(shot, moving, now);
@@ -57,7 +57,7 @@ export class Picture {
     this.#aim = still ? quality.resting : quality.moving;
     const drawn = this.#draw(shot, this.#aim, now);
     if (moving && !drawn) this.frames.drop();
-    // Also until the device is done, because only then its pace is known.
+    // Also until the device has finished: its pace is unknown before.
     return !this.renderer.lost && (this.renderer.busy(now) || (this.#rung !== quality.resting && !moving));
   }
 
@@ -82,13 +82,13 @@ export class Picture {
   }
 }
 
-const SETTLING = 150; // ms: the pauses of a dragging hand are shorter
+const SETTLING = 150; // ms: a dragging hand pauses for less
 
 export class Stillness {
   #view: View | null = null;
   #since = 0;
 
-  /** Note what is seen at `now`, milliseconds; returns true if neither view nor scene have moved for a moment. */
+  /** Note the view at `now`, milliseconds; returns true if neither view nor scene have moved for a moment. */
   update(view: View, sceneMoves: boolean, now: number): boolean {
     const first = this.#view === null;
     if (sceneMoves || !sameView(this.#view, view)) this.#since = first ? Number.NEGATIVE_INFINITY : now;
@@ -100,7 +100,7 @@ export class Stillness {
 const WINDOW = 1000; // ms
 
 export class FrameRate {
-  readonly #times: number[] = []; // of the frames of the last second, or of the last two
+  readonly #times: number[] = []; // times of the frames of the last second, or of the last two frames
   #resting = false;
   #drawn = 0;
   #dropped = 0;

@@ -1,8 +1,12 @@
-/** Pixels as a file of a picture. */
+/** The file of a picture. */
 
 import type { Pixels } from "../renderer/shot";
 
-/** @param type such as `image/png` or `image/jpeg`. */
+/**
+ * Encode pixels.
+ *
+ * @param type such as `image/png` or `image/jpeg`.
+ */
 export function pictureFile({ width, height, data }: Pixels, type: string): Promise<Blob> {
   const canvas = new OffscreenCanvas(width, height);
   const picture = new ImageData(new Uint8ClampedArray(data), width, height);

@@ -1,4 +1,4 @@
-/** The camera of a player, as pages move it. Without a scene nothing moves. */
+/** The camera of a player, for pages. Without a scene nothing moves. */
 
 import type { CameraMotion } from "../camera/gestures";
 import type { Viewing, Viewpoint } from "./viewpoint";
@@ -6,76 +6,87 @@ import type { Viewing, Viewpoint } from "./viewpoint";
 export class PlayerCamera implements CameraMotion {
   readonly #viewpoint: () => Viewpoint | null;
 
-  /** @param viewpoint of the scene that is there now; null without one. */
+  /**
+   * Control a viewpoint.
+   *
+   * @param viewpoint of the present scene; null without one.
+   */
   constructor(viewpoint: () => Viewpoint | null) {
     this.#viewpoint = viewpoint;
   }
 
-  /** Names of the scene's capture cameras; none until the scene is known. */
+  /** Names of the scene's capture cameras; none until the manifest has arrived. */
   get names(): readonly string[] {
     return this.#viewpoint()?.cameraNames ?? [];
   }
 
-  /** The capture camera that the view began with; null until the scene is known. */
+  /** The capture camera of the first view; null until the manifest has arrived. */
   get name(): string | null {
     return this.#viewpoint()?.cameraName ?? null;
   }
 
   /**
-   * Look from a capture camera; from the first if null.
+   * Look from a capture camera; null is the first.
    *
-   * @throws Error that names the cameras there are if none has that name.
+   * @throws Error that names the existing cameras if none has that name.
    */
   look(name: string | null): void {
     this.#viewpoint()?.look(name);
   }
 
-  /** Where the camera stands; null until the scene is known. */
+  /** The camera's position; null until the manifest has arrived. */
   get view(): Viewing | null {
     return this.#viewpoint()?.viewing ?? null;
   }
 
-  /** @throws RangeError if position, target and up do not say which way to look. */
+  /**
+   * Move the camera.
+   *
+   * @throws RangeError if position, target and up define no direction.
+   */
   set view(view: Viewing) {
     this.#viewpoint()?.place(view);
   }
 
-  /** Turn about what the camera looks at: to its left and upwards, radians. */
+  /** Turn about the target: to the camera's left and upwards, radians. */
   turn(yaw: number, pitch: number): void {
     this.#viewpoint()?.turn(yaw, pitch);
   }
 
-  /** Multiply the distance from what the camera looks at. */
+  /** Multiply the distance to the target. */
   zoom(factor: number): void {
     this.#viewpoint()?.zoom(factor);
   }
 
-  /** Move so that what the camera looks at goes along, CSS pixels. */
+  /** Move so that the target follows a drag, CSS pixels. */
   pan(dx: number, dy: number): void {
     this.#viewpoint()?.pan(dx, dy);
   }
 
-  /** Look around from where the camera stands: to its left and upwards, radians. */
+  /** Turn the camera about itself: to its left and upwards, radians. */
   lookAround(yaw: number, pitch: number): void {
     this.#viewpoint()?.lookAround(yaw, pitch);
   }
 
-  /** Go to the right, upwards and ahead, as shares of the distance that the camera began with from what it looks at. */
+  /** Move to the right, upwards and ahead, by shares of the first distance to the target. */
   travel(right: number, up: number, ahead: number): void {
     this.#viewpoint()?.travel(right, up, ahead);
   }
 
-  /** Where the camera has been moved out of the captured space, let it spring back. */
+  /** Let a camera outside the captured space spring back. */
   release(): void {
     this.#viewpoint()?.release();
   }
 
-  /** Look at what is seen at a place of the picture, CSS pixels from its top left corner, and turn about that from now on. */
+  /**
+   * Look at the scene's point at a place of the picture, CSS pixels from its top left corner, and turn about it from
+   * now on.
+   */
   focus(x: number, y: number): void {
     this.#viewpoint()?.focus(x, y);
   }
 
-  /** Back to the capture camera that the view began with. */
+  /** Return to the capture camera of the first view. */
   reset(): void {
     this.#viewpoint()?.reset();
   }

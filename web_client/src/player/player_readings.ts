@@ -1,42 +1,42 @@
-/** What there is to see and to read of the scene that a player shows. */
+/** The readings of a player: the manifest, pictures and statistics of its scene. */
 
 import type { Manifest } from "../codec/types";
 import type { Pixels } from "../renderer/shot";
 import type { Playback } from "../scene/playback";
 import type { HgsPlayerListening } from "./hgs_player_events";
-import { played } from "./media_api";
-import type { ScreenedScene } from "./mounted_scene";
+import { withMediaApi } from "./media_api";
+import type { MountedScene } from "./mounted_scene";
 import type { PlayerStats } from "./player_types";
-import type { ScenePlayer } from "./scene_canvas";
+import type { SceneCanvas } from "./scene_canvas";
 
 const Target = EventTarget as new () => HgsPlayerListening & EventTarget;
 
-export abstract class PicturedPlayer extends played(Target) {
-  /** The scene that is there; null without one. */
-  protected abstract readonly screened: ScreenedScene | null;
+export abstract class PlayerReadings extends withMediaApi(Target) {
+  /** The present scene; null without one. */
+  protected abstract readonly mounted: MountedScene | null;
 
-  /** What the scene says of itself; null until it has come. */
+  /** The scene's manifest; null until it has arrived. */
   get manifest(): Manifest | null {
-    return this.screened?.manifest ?? null;
+    return this.mounted?.manifest ?? null;
   }
 
-  /** Of the picture, in its own pixels; 0 without one. */
+  /** Width of the picture, in its own pixels; 0 without one. */
   get width(): number {
-    return this.screened?.canvas.width ?? 0;
+    return this.mounted?.canvas.width ?? 0;
   }
 
   get height(): number {
-    return this.screened?.canvas.height ?? 0;
+    return this.mounted?.canvas.height ?? 0;
   }
 
-  /** The scene that is there, for a loop of frames other than the page's, such as a headset's; null without one. */
-  get scene(): ScenePlayer | null {
-    return this.screened?.player ?? null;
+  /** The present scene, for a loop of frames other than the page's, such as a headset's; null without one. */
+  get scene(): SceneCanvas | null {
+    return this.mounted?.player ?? null;
   }
 
-  /** Figures of the scene that is there; null without one. */
+  /** Statistics of the present scene; null without one. */
   get statistics(): PlayerStats | null {
-    return this.screened?.player.stats ?? null;
+    return this.mounted?.player.stats ?? null;
   }
 
   /**
@@ -49,23 +49,23 @@ export abstract class PicturedPlayer extends played(Target) {
   }
 
   /**
-   * The picture as a file, as finely drawn as it can be, whatever the quality is.
+   * The picture as a file, in the best fineness, independent of the quality.
    *
    * @param type such as `image/png` or `image/jpeg`.
    * @throws Error if nothing has been drawn yet.
    */
   async screenshot(type = "image/png"): Promise<Blob> {
     const pixels = this.#read("finest");
-    const { pictureFile } = await import("./picture_file"); // few ask for it
+    const { pictureFile } = await import("./picture_file"); // rarely used
     return pictureFile(pixels, type);
   }
 
   protected get playback(): Playback | null {
-    return this.screened?.player.playback ?? null;
+    return this.mounted?.player.playback ?? null;
   }
 
   #read(as: "canvas" | "float" | "finest"): Pixels {
-    const pixels = this.screened?.player.readPixels(as);
+    const pixels = this.mounted?.player.readPixels(as);
     if (!pixels) throw new Error("there is no picture: nothing has been drawn yet, or the graphics context is away");
     return pixels;
   }

@@ -1,4 +1,4 @@
-/** What a player is made from and what it tells of itself. */
+/** Options and statistics of a scene on a canvas. */
 
 import type { Manifest } from "../codec/types";
 import type { Fineness } from "../renderer/fineness";
@@ -11,16 +11,16 @@ export interface PlayerOptions {
   /** Seconds from which to show and load first. */
   readonly time: number | null;
   readonly playing: boolean;
-  /** Whether to draw with antialiasing; null to do as the scene's manifest says. */
+  /** Whether to draw with antialiasing; null for the manifest's choice. */
   readonly antialiased: boolean | null;
-  /** Bytes that the scene's splats may take; by default 384 MiB, and 192 MiB on phones. What is passed makes room. */
+  /** Bytes for the scene's splats; default 384 MiB, and 192 MiB on phones. Beyond that, chunks are evicted. */
   readonly memoryBudget?: number;
-  /** From where the scene is seen now; asked at every frame. Null while that is not known. Tell changes to `invalidate`. */
+  /** The current view, requested at every frame; null while it is unknown. Report changes to `invalidate`. */
   readonly view: () => View | null;
   readonly onManifest: (manifest: Manifest) => void;
-  /** Called at the end of every frame, and so after every change of what the player tells of itself. */
+  /** Called at the end of every frame, and so after every change of the statistics. */
   readonly onFrame: () => void;
-  /** One line for people, and the cause for whoever looks into it; playing may go on. */
+  /** One line for people, and the cause for debugging; playing may continue. */
   readonly onError: (message: string, cause: string) => void;
 }
 
@@ -28,38 +28,38 @@ export interface PlayerStats {
   readonly stream: SourceState;
   readonly bytes: number;
   readonly bytesTotal: number;
-  /** Bytes per second that the line brings; 0 when nothing has come for two seconds. */
+  /** Rate of the line, bytes per second; 0 after two seconds without data. */
   readonly lineRate: number;
   /** Chunks decoded. */
   readonly chunks: number;
-  /** Chunks that the server cannot give, or not undamaged; the scene is shown without them. */
+  /** Chunks that the server cannot send, or only damaged; the scene is shown without them. */
   readonly lostChunks: number;
-  /** True once the whole scene is here. */
+  /** True once the whole scene has arrived. */
   readonly complete: boolean;
   /** Whether the playhead waits for the scene to grow. */
   readonly atEdge: boolean;
   readonly splats: number;
   readonly dynamicSplats: number;
-  /** 0 while nothing has to be drawn. */
+  /** 0 while nothing is drawn. */
   readonly framesPerSecond: number;
   readonly framesDrawn: number;
-  /** Frames that the browser offered while the scene played, and for which no new picture was ready. */
+  /** Frames of the browser without a new picture while the scene played. */
   readonly framesDropped: number;
-  /** How long the worker needed for the order that is shown, milliseconds. */
+  /** Duration of the shown order's sort in the worker, milliseconds. */
   readonly sortTime: number;
-  /** How long before the last frame that order had been asked for, milliseconds; and in frames, 1 while all goes well. */
+  /** Time from the request of that order to the last frame, milliseconds; and in frames, ideally 1. */
   readonly orderAge: number;
   readonly orderAgeFrames: number;
-  /** The scene's time that the picture shows, seconds: the playhead's, or as near to it as its order allows. */
+  /** The scene's time of the picture, seconds: the playhead's, or as near to it as the order allows. */
   readonly pictureTime: number;
-  /** How finely the last picture was drawn. */
+  /** Fineness of the last picture. */
   readonly fineness: Fineness;
   /** True while the browser has taken the graphics device away. */
   readonly contextLost: boolean;
-  /** True while the scene was made to stand because so many others of the page play. */
+  /** True while the scene is paused because too many others of the page play. */
   readonly setAside: boolean;
   /** Milliseconds from opening the page to the first picture; null before. */
   readonly firstFrame: number | null;
-  /** Milliseconds from opening the page until the scene began to be loaded. */
+  /** Milliseconds from opening the page to the start of loading. */
   readonly loadStart: number;
 }

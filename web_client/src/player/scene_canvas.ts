@@ -1,10 +1,10 @@
 /**
- * Plays one scene on a canvas of its own: a frame of the browser moves the clock, asks for an order and draws. A headset's
- * session that draws with the canvas's context drives it instead, frame by frame.
+ * A scene on a canvas of its own: each frame of the browser moves the clock, requests an order and draws. The session
+ * of a headset, which uses the canvas's context, drives it instead, frame by frame.
  */
 
 import { CanvasRenderer } from "../renderer/canvas_renderer";
-import type { Quality } from "../renderer/quality_names";
+import type { Quality } from "../renderer/fineness";
 import type { Pixels } from "../renderer/shot";
 import type { Playback } from "../scene/playback";
 import type { SceneStep } from "../scene/scene_types";
@@ -14,23 +14,27 @@ import type { SceneSource } from "../source/scene_source";
 import { Picture } from "./picture";
 import type { PlayerOptions, PlayerStats } from "./player_types";
 
-export class ScenePlayer {
+export class SceneCanvas {
   readonly #options: PlayerOptions;
-  /** For whoever drives the player: its context, its background, and the splats to draw. */
+  /** The renderer, for external drivers: its context, background and splats. */
   readonly renderer: CanvasRenderer;
   readonly #scene: StreamedScene;
   readonly #abort = new AbortController();
   readonly #picture: Picture;
   readonly #waiting: (() => void)[] = [];
   #splatBudget = Number.POSITIVE_INFINITY;
-  #animation = 0; // 0 while no frame is asked for
-  #kept: HTMLCanvasElement | null = null; // the picture, while there is no context to draw it
+  #animation = 0; // 0 without a requested frame
+  #kept: HTMLCanvasElement | null = null; // the picture, while there is no context
   #setAside = false;
-  #lostAt: number | null = null; // the bytes that had come when the browser said that it is offline
+  #lostAt: number | null = null; // number of bytes received when the browser went offline
   readonly #loadStart = performance.now();
   #driven = false;
 
-  /** @throws Error if the browser has no WebGL2. */
+  /**
+   * Open a scene on a canvas.
+   *
+   * @throws Error if the browser has no WebGL2.
+   */
   constructor(options: PlayerOptions) {
     this.#options = options;
     this.renderer = new CanvasRenderer(options.canvas, (lost) => this.#contextChanged(lost));
@@ -58,12 +62,12 @@ export class ScenePlayer {
     this.invalidate();
   }
 
-  /** Null until the manifest has arrived. */
+  /** The playback; null until the manifest has arrived. */
   get playback(): Playback | null {
     return this.#scene.playback;
   }
 
-  /** Where the scene comes from. */
+  /** The source of the scene. */
   get source(): SceneSource {
     return this.#scene.source;
   }
@@ -79,7 +83,7 @@ export class ScenePlayer {
       bytesTotal: totals ? totals.bytesStatic + totals.bytesDynamic : 0,
       lineRate: this.#scene.lineRate(now),
       chunks,
-      lostChunks: this.playback?.buffer.lost ?? 0,
+      lostChunks: this.playback?.buffer.states.lost ?? 0,
       complete: this.playback?.buffer.complete ?? false,
       atEdge: this.playback?.atEdge ?? false,
       splats: orders.count,
@@ -99,28 +103,28 @@ export class ScenePlayer {
     };
   }
 
-  /** Something that shows has changed, such as the view: the next frame looks at it. Without news there are no frames. */
+  /** Report a visible change, such as of the view, to the next frame. Without changes there are no frames. */
   invalidate(): void {
     if (this.#animation !== 0 || this.#driven || this.#abort.signal.aborted) return;
     this.#animation = requestAnimationFrame((now) => this.#frame(now));
   }
 
   /**
-   * Let another loop drive: it calls `step` and draws, until `drive(false)` gives the canvas back. Meanwhile the player draws
-   * nothing and asks the browser for no frames.
+   * Let another loop drive: it calls `step` and draws, until `drive(false)` returns the canvas. Meanwhile the player
+   * draws nothing and requests no frames.
    */
   drive(driven: boolean): void {
     this.#driven = driven;
     cancelAnimationFrame(this.#animation);
     this.#animation = 0;
-    this.#picture.outdate(); // the canvas shows what was there before, or nothing
+    this.#picture.outdate(); // the canvas shows an earlier picture, or nothing
     this.invalidate();
   }
 
   /**
-   * One frame of whoever drives, at `now`, milliseconds of the clock of animation frames: moves the playhead, asks for the
-   * order for the views, of at most so many splats, and tells what to draw for each. A frame is never skipped for the
-   * device's sake. Null until the manifest has arrived.
+   * One frame of an external driver, at `now`, milliseconds of the clock of animation frames: moves the playhead,
+   * requests the order for the views, of at most so many splats, and returns the shots to draw. No frame is skipped for
+   * the device's sake. Null until the manifest has arrived.
    */
   step(now: number, views: readonly [View, ...View[]], splats = Number.POSITIVE_INFINITY): SceneStep | null {
     this.#scene.splatBudget = Math.min(this.#splatBudget, splats);
@@ -130,12 +134,12 @@ export class ScenePlayer {
     return step;
   }
 
-  /** Whether the context is needed: there is no picture yet, or somebody waits for one, or draws with it. */
+  /** Whether the context is needed: for the first picture, for a pending request, or for an external driver. */
   get busy(): boolean {
     return !this.#scene.pictured || this.#waiting.length > 0 || this.#driven;
   }
 
-  /** Give the context back, keep the picture, and stand, until `wake`. */
+  /** Return the context, keep the picture, and pause, until `wake`. */
   rest(): void {
     const view = this.#options.view();
     if (view && this.#scene.pictured && !this.renderer.lost) {
@@ -153,7 +157,7 @@ export class ScenePlayer {
     this.invalidate();
   }
 
-  /** Draw again, at the same time and from the same place; returns whether it played before it was made to stand. */
+  /** Draw again, at the same time and with the same view; returns whether the scene played before `rest`. */
   wake(): boolean {
     const played = this.#setAside;
     this.#setAside = false;
@@ -166,14 +170,14 @@ export class ScenePlayer {
     return this.renderer.quality.quality;
   }
 
-  /** How finely to draw; see `Quality`. */
+  /** Fineness of pictures; see `Quality`. */
   set quality(quality: Quality) {
     this.renderer.quality.quality = quality;
     this.#picture.outdate();
     this.invalidate();
   }
 
-  /** So many splats are drawn of a view at most, the most useful ones, and fewer where the quality says so. */
+  /** Largest number of splats per view, the most useful ones; some qualities draw fewer. */
   get splatBudget(): number {
     return this.#splatBudget;
   }
@@ -183,7 +187,7 @@ export class ScenePlayer {
     this.invalidate();
   }
 
-  /** Resolves when everything that is alive at the playhead has arrived, has been sorted, and is drawn. */
+  /** Resolves when everything visible at the playhead has arrived, has been sorted, and is drawn. */
   settled(): Promise<void> {
     return new Promise((resolve) => {
       this.#waiting.push(resolve);
@@ -192,26 +196,26 @@ export class ScenePlayer {
   }
 
   /**
-   * The picture as it is on the canvas, in floats without the canvas's rounding, or as finely as it can be whatever the
-   * quality is; null before there is one.
+   * The picture as on the canvas, in floats without the canvas's rounding, or in the best fineness; null before the
+   * first.
    */
   readPixels(as: "canvas" | "float" | "finest"): Pixels | null {
     const view = this.#options.view();
     if (this.#kept) return as === "float" ? null : pixelsOf(this.#kept);
     if (!view || !this.#scene.orders.shown || this.renderer.lost) return null;
     const shot = this.#scene.shot(view);
-    this.invalidate(); // the device's pace is taken from every picture
+    this.invalidate(); // every picture measures the device's pace
     if (as === "float") return this.renderer.readFloatPixels(shot);
     return this.renderer.readPixels(shot, as === "finest" ? 0 : undefined);
   }
 
-  /** How far away, world units along the view axis, what is seen at a pixel of the picture is; null if nothing is. */
+  /** The depth at a pixel of the picture, world units along the view axis; null if nothing is there. */
   depthAt(x: number, y: number): number | null {
     const view = this.#options.view();
     return view && this.#scene.orders.shown ? this.renderer.depthAt(this.#scene.shot(view), x, y) : null;
   }
 
-  /** Stop and give everything back. */
+  /** Stop and release everything. */
   dispose(): void {
     this.#abort.abort();
     cancelAnimationFrame(this.#animation);
@@ -220,14 +224,14 @@ export class ScenePlayer {
     this.renderer.dispose();
   }
 
-  /** The browser has a line again, or none: it knows so long before a connection does. */
+  /** The browser is online again, or offline: it detects that long before a connection does. */
   #line(there: boolean): void {
     this.#lostAt = there ? null : this.#scene.bytes;
     if (there) this.#scene.wake();
     this.invalidate();
   }
 
-  /** While the page was hidden the connection may have died. */
+  /** The connection may have died while the page was hidden. */
   #visibility(): void {
     if (!document.hidden) this.#scene.wake();
     this.#scene.playback?.pageHidden(document.hidden);
@@ -254,13 +258,13 @@ export class ScenePlayer {
     const shot = step?.shots[0];
     const playing = this.playback?.clock.playing ?? false;
     const unfinished = shot ? this.#picture.update(shot, step.moving, now) : false;
-    const outgrown = this.#scene.splatBudget !== budget(); // it has come to rest, or begun to move
+    const outgrown = this.#scene.splatBudget !== budget(); // motion has begun or ended
     if (unfinished || outgrown || (step && playing)) this.invalidate();
     else this.#picture.frames.rest();
     this.#finish(shot && !outgrown && this.#picture.shows(shot, playing) ? step.settled : false);
   }
 
-  /** A frame is over; `settled`: everything that is alive at the playhead is drawn. */
+  /** End a frame; `settled`: everything visible at the playhead is drawn. */
   #finish(settled: boolean): void {
     if (this.#kept && this.#scene.pictured && !this.renderer.lost) this.#unkeep();
     if (settled) for (const resolve of this.#waiting.splice(0)) resolve();

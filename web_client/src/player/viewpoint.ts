@@ -1,52 +1,51 @@
-/** From where a picture is seen: a capture camera as it is, or an orbit that began there; and the canvas's size. */
+/** The viewpoint of a picture: a capture camera itself, or an orbit that began there; and the canvas's size. */
 
 import type { CameraMotion } from "../camera/gestures";
 import type { LimitedOrbit } from "../camera/limited_orbit";
 import { MotionLoop } from "../camera/motion_loop";
 import { OrbitCamera } from "../camera/orbit";
-import { fitted, type Intrinsics, resized, unproject } from "../camera/pinhole";
-import { type StartCamera, startCamera } from "../camera/start";
+import { fitted, type Intrinsics, resized, type StartCamera, startCamera, unproject } from "../camera/pinhole";
 import { add, cross, length, normalise, scale, subtract, type Vec3 } from "../camera/vector";
 import type { Manifest } from "../codec/types";
 import type { View } from "../scene/view";
 import { observeBackingSize } from "./backing_size";
 
 export interface ViewpointOptions {
-  /** Name of the capture camera to begin with; the first if null. */
+  /** Name of the first capture camera; null for the first in the list. */
   readonly camera: string | null;
-  /** True to look from exactly the capture camera, and never to move. */
+  /** True for exactly the capture camera, without motion. */
   readonly exact: boolean;
-  /** Size of the picture in CSS pixels and in its backing store; null to fill the canvas as sharply as it is worth. */
+  /** Size of the picture in CSS pixels and in its backing store; null to fill the canvas sharply. */
   readonly size: { readonly width: number; readonly height: number } | null;
 }
 
-/** How long the camera takes to look at another point, seconds. */
+/** Duration of a turn to another target, seconds. */
 const GLANCE = 0.3;
-/** Sine of the angle to the up vector from which on there is no horizon to look along. */
+/** Sine of the angle to the up vector below which a view has no horizon. */
 const STEEP = 0.02;
 
-/** What a viewpoint needs of whoever draws. */
+/** The owner of a viewpoint. */
 export interface ViewpointEvents {
   /** Called after every change of the view. */
   changed(): void;
-  /** How far away, world units along the view axis, what is seen at a pixel of the backing store is; null if nothing is. */
+  /** The depth at a pixel of the backing store, world units along the view axis; null if nothing is there. */
   depthAt(x: number, y: number): number | null;
 }
 
-/** Where a camera stands, in the scene's world. */
+/** The position and direction of a camera, in the scene's world. */
 export interface Viewing {
   readonly position: Vec3;
-  /** The point in the middle of the picture, which the camera turns about. */
+  /** The point in the middle of the picture, the centre of turns. */
   readonly target: Vec3;
-  /** Upwards in the picture; of any length. */
+  /** The upward direction of the picture; of any length. */
   readonly up: Vec3;
 }
 
 export class Viewpoint implements CameraMotion {
   #start: StartCamera | null = null;
   #orbit: OrbitCamera | null = null;
-  #limited: Promise<LimitedOrbit | null> | null = null; // the same, within the captured space; from the first move on
-  #moved: LimitedOrbit | null = null; // once it is there
+  #limited: Promise<LimitedOrbit | null> | null = null; // the orbit within the captured space; from the first motion on
+  #moved: LimitedOrbit | null = null; // null until it has loaded
   readonly #motion: MotionLoop;
   #manifest: Manifest | null = null;
   #width = 1; // backing pixels
@@ -77,13 +76,17 @@ export class Viewpoint implements CameraMotion {
     }
   }
 
-  /** @throws Error if the scene has no camera of the name that was asked for. */
+  /**
+   * Start with a scene.
+   *
+   * @throws Error if the scene has no camera of the requested name.
+   */
   begin(manifest: Manifest): void {
     this.#manifest = manifest;
     this.look(this.options.camera);
   }
 
-  /** Name of the capture camera that the view began with. */
+  /** Name of the capture camera of the first view. */
   get cameraName(): string | null {
     return this.#start?.name ?? null;
   }
@@ -92,7 +95,7 @@ export class Viewpoint implements CameraMotion {
     return this.#manifest?.cameras.map((camera) => camera.name) ?? [];
   }
 
-  /** Go to a capture camera. */
+  /** Look from a capture camera. */
   look(name: string | null): void {
     if (!this.#manifest) return;
     this.#start = startCamera(this.#manifest, name);
@@ -107,17 +110,17 @@ export class Viewpoint implements CameraMotion {
     if (!this.#start || !this.#orbit) return null;
     const camera = this.#intrinsics(this.#start.camera);
     if (this.options.exact) return { pose: this.#start.pose, camera };
-    // The near plane comes along, else zooming in would cut a hole into what one looks at.
+    // The near plane moves along: otherwise zooming in would cut a hole into the target.
     return { pose: this.#orbit.pose, camera: { ...camera, near: camera.near * this.#orbit.closeness } };
   }
 
-  /** Null until the scene is known. */
+  /** The viewing; null until the manifest has arrived. */
   get viewing(): Viewing | null {
     const orbit = this.#orbit;
     return orbit && { position: orbit.eye, target: orbit.target, up: orbit.upwards };
   }
 
-  /** Stand somewhere else, be it outside the captured space; the camera goes on turning about the new target. */
+  /** Move the camera, also outside the captured space, with a new target to turn about. */
   place({ position, target, up }: Viewing): void {
     this.#motion.stop();
     this.#orbit?.place(position, target, up);
@@ -193,8 +196,8 @@ export class Viewpoint implements CameraMotion {
   }
 
   /**
-   * Do something with the orbit and what keeps it within the captured space: at once if that is here, else when it has come,
-   * and with the orbit alone if it cannot be had. Most visitors never move the camera.
+   * Use the orbit and its limits: at once if their module has loaded, else later, and without limits if it cannot be
+   * loaded. Most visitors never move the camera.
    */
   #within(then: (limited: LimitedOrbit | null, orbit: OrbitCamera) => void): void {
     const orbit = this.#orbit;
@@ -208,7 +211,7 @@ export class Viewpoint implements CameraMotion {
       .then(({ LimitedOrbit }) => new LimitedOrbit(orbit, center, capturedSpace))
       .catch(() => null);
     void this.#limited.then((limited) => {
-      if (orbit !== this.#orbit) return; // it has begun anew
+      if (orbit !== this.#orbit) return; // the viewpoint has started again
       this.#moved = limited;
       then(limited, orbit);
     });

@@ -1,9 +1,8 @@
-/** Captures, jobs and scenes over HTTP; the objects are those of docs/rest.md. All functions throw `ApiError`. */
+/** Captures, jobs and scenes over HTTP, with the objects of docs/rest.md. All functions throw `ApiError`. */
 
-import { ApiError, getJson, KEY_NEEDED, request, sendJson } from "./http";
-import { siteUrl } from "./site";
+import { ApiError, getJson, request, sendJson, siteUrl } from "./http";
 
-export { ApiError, KEY_NEEDED };
+export { ApiError };
 
 const POLL_MS = 1000;
 
@@ -16,7 +15,7 @@ export interface Scene {
   readonly bytes_total: number;
   readonly splats_static: number;
   readonly splats_dynamic: number;
-  /** Whether it grows. */
+  /** Whether the scene is still growing. */
   readonly live: boolean;
 }
 
@@ -37,33 +36,33 @@ export interface Job {
   readonly title: string | null;
   readonly preset: string | null;
   readonly config: Readonly<Record<string, unknown>>;
-  /** What is heard: "auto", "none", "camera:" and a name, or the path of a file; null where that is not known. */
+  /** The sound: "auto", "none", "camera:" and a name, or the path of a file; null if unknown. */
   readonly audio: string | null;
   readonly stage: string | null;
   readonly progress: JobProgress | null;
   readonly error: string | null;
-  /** Why a job that is not finished does not go on at the moment. */
+  /** The reason for which an unfinished job does not run at the moment. */
   readonly waiting: string | null;
   readonly scene: string | null;
   readonly created: number;
   readonly updated: number;
 }
 
-/** One report of a stage that was kept. */
+/** A stored progress report of a stage. */
 export interface JobPoint extends JobProgress {
   readonly attempt: number;
   /** Seconds since 1970. */
   readonly time: number;
 }
 
-/** What else there is of a job. */
+/** Further data of a job. */
 export interface JobRun {
-  /** Jobs that were queued before it and still wait; null unless it waits itself. */
+  /** Number of waiting jobs that were queued earlier; null unless this job waits itself. */
   readonly ahead: number | null;
-  /** Another string after every change of the picture; null while there is none. */
+  /** A string that changes with the picture; null while there is none. */
   readonly picture: string | null;
   readonly report: boolean;
-  /** Its scene, while that is published. */
+  /** Its published scene. */
   readonly scene: string | null;
 }
 
@@ -75,13 +74,13 @@ export interface JobLog {
 export interface Capture {
   readonly capture: string;
   readonly name: string;
-  /** Null of what was sent and is no capture. */
+  /** Null for an upload that is no capture. */
   readonly layout: string | null;
   readonly cameras: readonly string[];
   readonly frames: number | null;
   readonly seconds: number | null;
   readonly problem: string | null;
-  /** Whether it is still being looked at, which `problem` says, too. */
+  /** Whether its check is not finished; then `problem` contains a text, too. */
   readonly looking?: boolean;
 }
 
@@ -95,7 +94,7 @@ export interface Submission {
   readonly capture: string;
   readonly title: string;
   readonly preset: string;
-  /** Without it the server chooses. */
+  /** The held-out cameras; the server chooses if undefined. */
   readonly hold_out?: readonly string[];
   /** Overrides of the config, by path. */
   readonly config?: Readonly<Record<string, unknown>>;
@@ -103,7 +102,7 @@ export interface Submission {
 
 export const isFinal = (job: Job): boolean => !["queued", "running", "waiting"].includes(job.state);
 
-/** Whether the server takes a retry: it tries a waiting job at once. */
+/** Whether the server accepts a retry: it tries a waiting job again at once. */
 export const isRetriable = (job: Job): boolean => ["waiting", "failed", "cancelled"].includes(job.state);
 
 const sceneAddress = (id: string): string => siteUrl(`v1/scenes/${encodeURIComponent(id)}`);
@@ -112,7 +111,7 @@ const jobAddress = (id: string): string => siteUrl(`v1/jobs/${encodeURIComponent
 export const thumbnailUrl = (scene: string): string => `${sceneAddress(scene)}/thumbnail`;
 export const reportUrl = (job: string): string => `${jobAddress(job)}/report`;
 
-/** The address of a job's picture; `version` is that of `JobRun.picture`, so that browsers fetch a new one. */
+/** The address of a job's picture; `version` is `JobRun.picture`, so that browsers fetch each new one. */
 export const pictureUrl = (job: string, version: string): string =>
   `${jobAddress(job)}/picture?version=${encodeURIComponent(version)}`;
 
@@ -121,7 +120,9 @@ export async function listScenes(signal: AbortSignal): Promise<Scene[]> {
 }
 
 /**
- * @param query of a link to the scene, such as `?link=…`, or ""
+ * Request a scene.
+ *
+ * @param query the link of a visitor, such as `?link=…`, or ""
  * @throws ApiError
  */
 export async function getScene(id: string, signal: AbortSignal, query = ""): Promise<Scene> {
@@ -141,11 +142,11 @@ export async function listCaptures(signal: AbortSignal): Promise<CaptureList> {
   return { captures: [], folders: [], complete: true, ...answer };
 }
 
-/** Who the server takes this browser for. */
+/** The identity of this browser at the server. */
 export interface Session {
-  /** Whether a key is asked for at all. */
+  /** Whether the server requires keys at all. */
   readonly needed: boolean;
-  /** Of the key that was given; null without one. */
+  /** Name of the given key; null without one. */
   readonly name: string | null;
 }
 
@@ -153,7 +154,7 @@ export async function getSession(signal: AbortSignal): Promise<Session> {
   return { needed: false, name: null, ...(await getJson(siteUrl("v1/session"), signal)) };
 }
 
-/** Give a key: the browser keeps a cookie of it. */
+/** Present a key; the browser keeps a cookie for it. */
 export async function beginSession(key: string): Promise<void> {
   await sendJson("POST", siteUrl("v1/session"), { key });
 }
@@ -162,12 +163,12 @@ export async function endSession(): Promise<void> {
   await request(siteUrl("v1/session"), { method: "DELETE" });
 }
 
-/** Make a link with which anybody can watch a scene for so many seconds: the parameter `link` of its page. */
+/** Create a link for visitors without a key, valid for so many seconds: the parameter `link` of the scene's page. */
 export async function makeLink(scene: string, seconds: number): Promise<string> {
   return String((await sendJson("POST", siteUrl("v1/links"), { scene, seconds })).link);
 }
 
-/** Submit a capture, and wait until the server has looked at it; `onWait` is called when that takes a while. */
+/** Submit a capture, and wait until the server has checked it; `onWait` is called if that takes a while. */
 export async function submitJob(submission: Submission, onWait: () => void = () => {}): Promise<Job> {
   const headers = { Accept: "application/json", "Content-Type": "application/json" };
   let answer = await request(siteUrl("v1/jobs"), { method: "POST", headers, body: JSON.stringify(submission) });
@@ -206,7 +207,7 @@ export async function cancelJob(id: string): Promise<void> {
   await request(`${jobAddress(id)}/cancel`, { method: "POST" });
 }
 
-/** Queue a failed or cancelled job again; it goes on from its last checkpoint. */
+/** Queue a failed or cancelled job again; it continues from its last checkpoint. */
 export async function retryJob(id: string): Promise<void> {
   await request(`${jobAddress(id)}/retry`, { method: "POST" });
 }

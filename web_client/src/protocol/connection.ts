@@ -1,14 +1,14 @@
-/** One WebSocket to the server: how much it may have in flight, and whether it still lives. */
+/** One WebSocket to the server, with its credit and its detection of a dead line. */
 
 import { CreditWindow } from "./credit_window";
 import { LineWatch } from "./line_watch";
 import { CHUNK_FRAME, type ClientMessage, encodeMessage } from "./messages";
 
-/** Ids of pings: to measure the line, and to ask whether the server is there. */
+/** Ids of pings: for measurements of the line, and for checks of the server. */
 const MEASURE = 1;
 const ASK = 0;
 
-/** As much of WebSocket as is used, so that tests can bring their own. */
+/** The part of WebSocket in use, so that tests can provide their own. */
 export interface Socket {
   binaryType: BinaryType;
   onopen: ((event: Event) => void) | null;
@@ -19,19 +19,23 @@ export interface Socket {
 }
 
 export interface ConnectionEvents {
-  /** Say hello with so much credit. */
+  /** Send the hello with so much credit. */
   open(credits: number): void;
   message(bytes: Uint8Array<ArrayBuffer>): void;
   closed(code: number): void;
-  /** Nothing has come for too long. */
+  /** No message has arrived for too long. */
   silent(): void;
 }
 
 export class Connection {
   readonly #watch: LineWatch;
-  #window: CreditWindow | null = null; // until it is open
+  #window: CreditWindow | null = null; // null until the socket is open
 
-  /** @param patience times the usual wait is taken for silence. */
+  /**
+   * Connect.
+   *
+   * @param patience factor of the usual time before a line counts as dead.
+   */
   constructor(
     readonly socket: Socket,
     events: ConnectionEvents,
@@ -58,7 +62,7 @@ export class Connection {
     socket.onclose = ({ code }) => events.closed(code);
   }
 
-  /** Send, if it is open. */
+  /** Send, if the socket is open. */
   send(message: ClientMessage): void {
     if (this.#window) this.socket.send(encodeMessage(message));
   }
@@ -69,22 +73,22 @@ export class Connection {
     if (bytes > 0) this.send({ type: "credit", bytes });
   }
 
-  /** A ping has been answered. */
+  /** The answer to a ping has arrived. */
   answered(id: number): void {
     if (id === MEASURE) this.#window?.answered(performance.now());
   }
 
-  /** Find out whether it still lives. */
+  /** Check whether the connection is alive. */
   check(): void {
     this.#watch.check();
   }
 
-  /** Nothing is waited for any more: silence is right. */
+  /** Expect no further data: silence is normal now. */
   rest(): void {
     this.#watch.stop();
   }
 
-  /** Close it; no event comes any more. */
+  /** Close the connection; no event follows. */
   leave(): void {
     this.#watch.stop();
     this.socket.onopen = this.socket.onmessage = this.socket.onclose = null;

@@ -1,19 +1,21 @@
-/** Notices when a connection has died without a word, as happens when a network changes or a router forgets it. */
+/** Detection of connections that died silently, for example when the network changed or a router dropped them. */
 
-const QUIET = 4000; // ms without a message, after which the server is asked whether it is there
-const ANSWER = 4000; // ms that its answer may take
+const QUIET = 4000; // ms without a message before a ping to the server
+const ANSWER = 4000; // ms for its answer
 const TICK = 500; // ms
 
 export class LineWatch {
   readonly #timer = setInterval(() => this.#look(), TICK);
   #heard = performance.now();
   #looked = performance.now();
-  #asked: number | null = null; // when; null while there is no question
+  #asked: number | null = null; // send time of the ping; null without one
 
   /**
+   * Watch a connection.
+   *
    * @param ask sends a ping, if the connection is open yet.
-   * @param dead is called once, when nothing has come.
-   * @param patience times the waits are as long.
+   * @param dead is called once, when no answer has arrived.
+   * @param patience factor of both waits.
    */
   constructor(
     readonly ask: () => void,
@@ -21,13 +23,13 @@ export class LineWatch {
     readonly patience: number,
   ) {}
 
-  /** A message has come. */
+  /** A message has arrived. */
   heard(): void {
     this.#heard = performance.now();
     this.#asked = null;
   }
 
-  /** Ask now. */
+  /** Send a ping now. */
   check(): void {
     if (this.#asked !== null) return;
     this.#asked = performance.now();
@@ -40,7 +42,7 @@ export class LineWatch {
 
   #look(): void {
     const now = performance.now();
-    // After a sleep messages may have come that have not been dealt with: the time before it does not count.
+    // Messages may have arrived during a sleep of the machine and not been handled yet: that time does not count.
     if (now - this.#looked > 4 * TICK) this.#asked = null;
     this.#looked = now;
     if (this.#asked !== null && now - this.#asked >= ANSWER * this.patience) {

@@ -6,7 +6,7 @@ import { pack, unpack } from "./msgpack";
 export const PROTOCOL = 1;
 export const CHUNK_FRAME = 0x01;
 export const CHUNK_HEADER_BYTES = 48;
-/** Most entries of a hello's list. */
+/** Most entries of a list in a hello. */
 export const MOST_PARTS = 1024;
 export const MOST_HAVE = 16384;
 
@@ -15,28 +15,28 @@ export type ClientMessage =
       type: "hello";
       protocol: number;
       credits: number;
-      /** Chunks that are here, but for those of `pages`. */
+      /** Chunks that the client has, except those of `pages`. */
       have?: Uint8Array[];
-      /** Pages of the manifest that are here, and which of the chunks that they list, lowest bits first. */
+      /** Pages of the manifest that the client has, with one bit per listed chunk that it has, lowest bits first. */
       pages?: [Uint8Array, Uint8Array][];
-      /** Chunks whose first bytes are here, and how many. */
+      /** Chunks with only their first bytes, and the number of these. */
       parts: [Uint8Array, number][];
-      /** SHA-256 of the index that is here. */
+      /** SHA-256 of the client's index. */
       manifest_id?: Uint8Array;
       time?: number;
       rate: number;
       splats?: number;
       bytes_per_second?: number;
-      /** Whether what is added to a scene that grows is wanted. */
+      /** Whether to send additions to a growing scene. */
       follow?: boolean;
-      /** Whether the scene's sound is wanted, too. */
+      /** Whether to send the scene's sound, too. */
       audio?: boolean;
     }
   | { type: "credit"; bytes: number }
   | { type: "seek"; time: number }
   | { type: "play"; time: number; rate: number }
   | { type: "pause"; time: number }
-  /** What can be taken from now on; what is left out has no limit, or is not known. */
+  /** The client's limits from now on; absent ones are infinite or unknown. */
   | { type: "limits"; splats?: number; bytes_per_second?: number; measured?: number; audio?: boolean }
   | { type: "ping"; id: number };
 
@@ -45,9 +45,9 @@ export type ServerMessage =
       type: "welcome";
       protocol: number;
       scene: string;
-      /** The index; empty if hello named it. */
+      /** The index; empty if the hello contained its id. */
       manifest: Uint8Array<ArrayBuffer>;
-      /** Its SHA-256. */
+      /** SHA-256 of the index. */
       manifest_id: Uint8Array;
       remaining: number;
     }
@@ -55,7 +55,7 @@ export type ServerMessage =
   | { type: "grow"; manifest: Uint8Array<ArrayBuffer>; manifest_id: Uint8Array; remaining: number }
   /** The server cannot give the chunk. */
   | { type: "missing"; id: Uint8Array }
-  /** Of layer 0, the base of a slice has been sent; of layer 1, all of it. */
+  /** Layer 0: the base of a slice has been sent; layer 1: all of it. */
   | { type: "slice"; index: number; start: number; end: number; layer: number }
   | { type: "pong"; id: number }
   | { type: "end"; bytes: number; left_out: number }
@@ -65,11 +65,11 @@ export type ServerMessage =
 export interface ChunkFrame {
   readonly id: string; // SHA-256, hex
   readonly offset: number;
-  readonly size: number; // of the whole chunk
+  readonly size: number; // size of the whole chunk
   readonly payload: Uint8Array<ArrayBuffer>;
 }
 
-/** What the server sent is not what the protocol says. */
+/** Error for a message that violates the protocol. */
 export class ProtocolError extends Error {}
 
 export function encodeMessage(message: ClientMessage): Uint8Array<ArrayBuffer> {
@@ -87,7 +87,7 @@ const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<string, "nu
 };
 
 /**
- * Decode a control message; null for a type that this version does not know, which is to be ignored.
+ * Decode a control message; null for a type unknown to this version, which is ignored.
  *
  * @throws ProtocolError if the bytes are no message or a field is missing or of the wrong type.
  */
@@ -116,7 +116,7 @@ export function decodeMessage(bytes: Uint8Array): ServerMessage | null {
 /**
  * Decode a chunk frame.
  *
- * @throws ProtocolError if it is cut off or lies outside its chunk.
+ * @throws ProtocolError if it is truncated or outside its chunk.
  */
 export function decodeChunkFrame(bytes: Uint8Array<ArrayBuffer>): ChunkFrame {
   if (bytes.length <= CHUNK_HEADER_BYTES) throw new ProtocolError(`a chunk frame of ${bytes.length} bytes is cut off`);

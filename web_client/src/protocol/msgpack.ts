@@ -1,4 +1,4 @@
-/** As much of MessagePack as the protocol's messages are made of; whole numbers only where JavaScript has them exactly. */
+/** The part of MessagePack that the protocol uses; whole numbers only up to JavaScript's exact range. */
 
 export type Packable =
   | null
@@ -9,7 +9,7 @@ export type Packable =
   | readonly Packable[]
   | { readonly [name: string]: Packable | undefined };
 
-/** Pack a value; fields that are undefined are left out. */
+/** Pack a value; undefined fields are left out. */
 export function pack(value: Packable): Uint8Array<ArrayBuffer> {
   const bytes: number[] = [];
   write(value, bytes);
@@ -17,7 +17,7 @@ export function pack(value: Packable): Uint8Array<ArrayBuffer> {
 }
 
 /**
- * Unpack one value, which must fill the bytes; byte strings are views into them, and extensions undefined.
+ * Unpack the one value in the bytes; byte strings are views into them, extensions become undefined.
  *
  * @throws RangeError if the bytes are something else, TypeError if a text is not UTF-8
  */
@@ -69,7 +69,7 @@ function writeNumber(value: number, out: number[]): void {
   }
 }
 
-/** A number below 2^32 in one, two or four bytes after the type that says how many. */
+/** Write a number below 2^32 in one, two or four bytes, behind the type for that length. */
 function writeHead(value: number, [one, two, four]: readonly [number | null, number, number], out: number[]): void {
   if (one !== null && value < 0x100) out.push(one, value);
   else if (value < 0x10000) out.push(two, value >> 8, value & 255);
@@ -91,7 +91,7 @@ class Reader {
     if (type < 0xa0) return this.#list(type & 15);
     if (type < 0xc0) return this.#text(type & 31);
     if (type >= 0xe0) return type - 0x100;
-    const size = 1 << (type & 3); // of what follows, where the types stand in fours
+    const size = 1 << (type & 3); // bytes of the following number; types come in fours
     switch (type) {
       case 0xc0:
         return null;

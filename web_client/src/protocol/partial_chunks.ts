@@ -1,4 +1,4 @@
-/** Chunks of which only the first bytes are here; they outlive a connection. */
+/** Incomplete chunks: their first bytes outlive a connection. */
 
 import { type ChunkFrame, ProtocolError } from "./messages";
 
@@ -6,9 +6,9 @@ export class PartialChunks {
   readonly #parts = new Map<string, { bytes: Uint8Array<ArrayBuffer>; filled: number }>();
 
   /**
-   * Put a frame in its place. Returns the chunk if that makes it complete.
+   * Add a frame. Returns the chunk if it is complete now.
    *
-   * @throws ProtocolError if the frame does not follow the one before.
+   * @throws ProtocolError if the frame is not the next one.
    */
   add({ id, offset, size, payload }: ChunkFrame): Uint8Array<ArrayBuffer> | null {
     const part = this.#parts.get(id) ?? { bytes: new Uint8Array(size), filled: 0 };
@@ -29,7 +29,7 @@ export class PartialChunks {
     this.#parts.delete(id);
   }
 
-  /** Keep the first `count` of them, and return their ids and how many bytes of each are here. */
+  /** Keep the first `count` chunks, and return their ids and the numbers of their bytes. */
   keep(count: number): [string, number][] {
     for (const id of [...this.#parts.keys()].slice(count)) this.#parts.delete(id);
     return Array.from(this.#parts, ([id, { filled }]) => [id, filled]);

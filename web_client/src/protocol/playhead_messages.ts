@@ -1,20 +1,20 @@
-/** Tells the server of the playhead, but not of every place that it passes while it is dragged. */
+/** Messages about the playhead, limited in rate while it is dragged. */
 
 import type { ClientMessage } from "./messages";
 
-const GAP = 50; // ms between what is told
+const GAP = 50; // ms between two messages
 
 export type PlayheadMessage = Extract<ClientMessage, { type: "seek" | "play" | "pause" }>;
 
 export class PlayheadMessages {
-  /** The last of each kind, in the order in which they are to be sent. */
+  /** The last message of each kind, in order of sending. */
   readonly #waiting = new Map<"seek" | "run", PlayheadMessage>();
   #sent = Number.NEGATIVE_INFINITY; // ms
   #timer: ReturnType<typeof setTimeout> | undefined;
 
   constructor(readonly send: (message: PlayheadMessage) => void) {}
 
-  /** Send at once, or when the time has come unless a later message of the kind takes its place. */
+  /** Send now, or later unless a newer message of the kind replaces it. */
   put(message: PlayheadMessage): void {
     const kind = message.type === "seek" ? "seek" : "run";
     this.#waiting.delete(kind);
@@ -24,7 +24,7 @@ export class PlayheadMessages {
     else this.#timer ??= setTimeout(() => this.#flush(), wait);
   }
 
-  /** Forget what waits. */
+  /** Drop unsent messages. */
   clear(): void {
     clearTimeout(this.#timer);
     this.#timer = undefined;

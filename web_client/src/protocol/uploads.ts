@@ -1,7 +1,8 @@
-/** Sending captures, and their check; the objects and steps are those of docs/upload.md. All functions throw `ApiError`. */
+/**
+ * Uploads of captures, and their check, with the objects and steps of docs/upload.md. All functions throw `ApiError`.
+ */
 
-import { ApiError, getJson, KEY_NEEDED, request, sendJson } from "./http";
-import { siteUrl } from "./site";
+import { ApiError, getJson, KEY_NEEDED, request, sendJson, siteUrl } from "./http";
 
 export interface Upload {
   readonly id: string;
@@ -10,9 +11,9 @@ export interface Upload {
   readonly files: number;
   readonly bytes: number;
   readonly received: number;
-  /** Seconds since 1970; null once it is a capture. */
+  /** Seconds since 1970; null for a finished upload. */
   readonly expires: number | null;
-  /** The path of the capture that it has become. */
+  /** The path of the resulting capture. */
   readonly capture: string | null;
 }
 
@@ -21,7 +22,7 @@ export interface UploadList {
   readonly limits: { readonly quota: number; readonly upload: number; readonly file: number; readonly files: number };
 }
 
-/** A file that the server knows of. */
+/** A file known to the server. */
 export interface RemoteFile {
   readonly path: string;
   readonly sha256: string;
@@ -73,7 +74,7 @@ export async function deleteUpload(id: string): Promise<void> {
   await request(address(id), { method: "DELETE" });
 }
 
-/** Begin an upload, or go on with the unfinished one of the same announcement: `resumed`. */
+/** Begin an upload, or continue the unfinished one of the same announcement: `resumed`. */
 export async function beginUpload(
   announced: Announcement,
   signal: AbortSignal,
@@ -88,7 +89,7 @@ export async function listRemoteFiles(id: string, signal: AbortSignal): Promise<
   return ((await getJson(`${address(id)}/files`, signal)).files ?? []) as RemoteFile[];
 }
 
-/** Announce a file; returns its address and how much of it the server has. */
+/** Announce a file; returns its address and the number of bytes at the server. */
 export async function announceFile(
   id: string,
   file: { readonly path: string; readonly size: number; readonly sha256: string },
@@ -101,16 +102,16 @@ export async function announceFile(
   return { location, offset: offsetIn(response.headers.get("Upload-Offset")) };
 }
 
-/** How much of a file the server has. */
+/** The number of a file's bytes at the server. */
 export async function remoteOffset(location: string, signal: AbortSignal): Promise<number> {
   const response = await request(location, { method: "HEAD", signal, cache: "no-store" });
   return offsetIn(response.headers.get("Upload-Offset"));
 }
 
 /**
- * Send the next bytes of a file; returns how much of it the server has then.
+ * Send the next bytes of a file; returns the number of bytes at the server afterwards.
  *
- * @param onBytes is called with how many bytes of the piece are under way
+ * @param onBytes is called with the number of bytes of the piece that are sent
  */
 export function sendPiece(
   location: string,
@@ -120,7 +121,7 @@ export function sendPiece(
   signal: AbortSignal,
 ): Promise<number> {
   return new Promise((resolve, reject) => {
-    const sending = new XMLHttpRequest(); // fetch does not tell how far it is
+    const sending = new XMLHttpRequest(); // fetch reports no progress of uploads
     sending.open("PATCH", location);
     for (const [name, value] of Object.entries({ ...TUS, "Upload-Offset": String(offset), "Content-Type": STREAM }))
       sending.setRequestHeader(name, value);
@@ -141,7 +142,7 @@ export async function finishUpload(id: string, signal: AbortSignal): Promise<Upl
   return (await (await request(`${address(id)}/finish`, { method: "POST", signal })).json()) as Upload;
 }
 
-/** Begin the check of a capture, unless one is under way. */
+/** Begin the check of a capture, unless one is running. */
 export async function startCheck(capture: string): Promise<CaptureCheck> {
   return (await sendJson("POST", siteUrl("v1/captures/check"), { capture })) as unknown as CaptureCheck;
 }
@@ -158,7 +159,7 @@ function refusal(answer: XMLHttpRequest): ApiError {
   try {
     told = JSON.parse(answer.responseText);
   } catch {
-    // a proxy's page, say: the status has to do
+    // for example a proxy's page: the status must suffice
   }
   const reason = told.detail ?? answer.statusText;
   return new ApiError(`The server answered ${answer.status}: ${reason}`, answer.status, told.code, told.field);

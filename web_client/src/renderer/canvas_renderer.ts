@@ -1,4 +1,4 @@
-/** Draws a scene on a page's canvas with a WebGL2 context of its own, from any camera, at any time. */
+/** The renderer of a page's canvas: a WebGL2 context of its own, for any camera and time. */
 
 import { resized } from "../camera/pinhole";
 import { CanvasTarget } from "./canvas_target";
@@ -8,29 +8,31 @@ import { canDraw, PictureTarget } from "./picture_target";
 import type { Pixels, Shot } from "./shot";
 import { SplatDrawer } from "./splat_drawer";
 
-/** Share of a pixel's colour that splats must have to be seen there. */
+/** Smallest share of a pixel's colour for splats to count as visible there. */
 const SEEN = 0.2;
 
 export class CanvasRenderer {
-  /** What holds the scene's splats. */
+  /** The drawer, with the scene's splats. */
   readonly splats: SplatDrawer;
   readonly #gl: WebGL2RenderingContext;
   readonly #listeners = new AbortController();
-  /** How finely pictures are to be drawn, and how finely this device can. */
+  /** The chosen quality, and the device's measured speed. */
   readonly quality = new QualityControl();
   #target!: CanvasTarget;
   #pace!: GpuPace;
   /** sRGB behind the splats, in [0, 1]. */
   background: readonly [number, number, number] = [0, 0, 0];
   #lost = false;
-  /** While the context is lost it tells nothing, not even how to have it back. */
+  /** The extension, obtained beforehand: a lost context returns nothing, not even this. */
   readonly #loss: WEBGL_lose_context | null;
-  #given = false; // the context was not taken, but given back
+  #given = false; // true after giveBack, false after any other loss
   #wanted = true;
 
   /**
-   * @param onContext called when the context is lost, and when it is back: then a new order must be set and the picture
-   *   drawn.
+   * Create the context.
+   *
+   * @param onContext called when the context is lost, and when it is restored: then a new order must be set and the
+   *   picture drawn.
    * @throws Error if the browser has no WebGL2.
    */
   constructor(
@@ -50,10 +52,10 @@ export class CanvasRenderer {
     canvas.addEventListener(
       "webglcontextlost",
       (event) => {
-        event.preventDefault(); // else it never comes back
+        event.preventDefault(); // required for a restoration
         this.#lost = true;
         onContext(true);
-        setTimeout(() => this.#takeBack()); // not before the browser has heard of it
+        setTimeout(() => this.#takeBack()); // later than the browser's own handling
       },
       { signal },
     );
@@ -73,30 +75,30 @@ export class CanvasRenderer {
     this.#build();
   }
 
-  /** Whether there is no context, be it taken or given back. */
+  /** Whether there is no context, be it lost or given back. */
   get lost(): boolean {
     return this.#lost || this.#gl.isContextLost();
   }
 
-  /** Whether the context has been given back; another one is lost. */
+  /** Whether the context was given back and not lost. */
   get given(): boolean {
     return this.#given;
   }
 
-  /** Give the context back to the browser, until `take`. What it held is gone. */
+  /** Release the context, until `take`. Its contents are gone. */
   giveBack(): void {
     this.#wanted = false;
     this.#given ||= !this.lost && this.#loss !== null;
     if (!this.lost) this.#loss?.loseContext();
   }
 
-  /** Have a context again, as soon as the browser gives one. */
+  /** Request a context again. */
   take(): void {
     this.#wanted = true;
     this.#takeBack();
   }
 
-  /** A copy of a picture, drawn as well as it can be. */
+  /** A copy of a picture, in the best quality. */
   copy(shot: Shot): HTMLCanvasElement {
     this.draw(shot, this.quality.resting);
     const copy = document.createElement("canvas");
@@ -110,7 +112,7 @@ export class CanvasRenderer {
     return !this.lost && this.#pace.busy(now);
   }
 
-  /** Draw to the canvas, whose backing store takes the camera's size; as finely as a rung of `LADDER` says. */
+  /** Draw to the canvas, with a backing store of the camera's size, in the fineness of a rung of `LADDER`. */
   draw(shot: Shot, rung: number): void {
     if (this.lost) return;
     const { width, height } = shot.camera;
@@ -122,8 +124,8 @@ export class CanvasRenderer {
   }
 
   /**
-   * Draw and read the canvas, in one task: the browser clears it afterwards. As finely as a rung of `LADDER` says; as
-   * pictures at rest if left out.
+   * Draw and read the canvas, in one task: the browser clears it afterwards. The fineness is a rung of `LADDER`, by
+   * default the one of pictures at rest.
    */
   readPixels(shot: Shot, rung = this.quality.resting): Pixels {
     this.draw(shot, rung);
@@ -153,8 +155,8 @@ export class CanvasRenderer {
   }
 
   /**
-   * The mean depth, world units, of what is seen at a pixel: of the splats there, each with its share of the pixel's colour.
-   * Null where there is next to nothing before the background, and on a device that draws to no float format.
+   * The mean depth at a pixel, world units: that of its splats, weighted by their shares of the colour. Null where
+   * there is little but background, and on devices that cannot draw to floats.
    */
   depthAt(shot: Shot, x: number, y: number): number | null {
     const gl = this.#gl;
@@ -163,7 +165,7 @@ export class CanvasRenderer {
     const target = new PictureTarget(gl, width, height, "RGBA16F");
     const pixel = [x, height - 1 - y, 1, 1] as const;
     try {
-      gl.enable(gl.SCISSOR_TEST); // one pixel costs next to nothing
+      gl.enable(gl.SCISSOR_TEST); // a single pixel is cheap
       gl.scissor(...pixel);
       gl.clearColor(0, 0, 0, 0);
       gl.clear(gl.COLOR_BUFFER_BIT);
@@ -176,7 +178,7 @@ export class CanvasRenderer {
     }
   }
 
-  /** Give everything back to the browser. */
+  /** Release everything. */
   dispose(): void {
     this.#listeners.abort();
     this.#loss?.loseContext();
@@ -201,7 +203,7 @@ export class CanvasRenderer {
   }
 }
 
-/** WebGL reads from the bottom row; pictures begin at the top. */
+/** Rows in reverse order: WebGL reads from the bottom row. */
 function flipped<T extends Uint8Array | Float32Array>(data: T, width: number, height: number): T {
   const out = data.slice() as T;
   for (let y = 0; y < height; y++) {

@@ -1,4 +1,4 @@
-/** The canvas, and the pictures through which it is drawn to: half floats, or fewer pixels than the canvas has. */
+/** The target of drawing: the canvas itself, or a picture in half floats or with fewer pixels that is copied to it. */
 
 import type { Fineness } from "./fineness";
 import { canDraw, PictureTarget } from "./picture_target";
@@ -17,14 +17,14 @@ export class CanvasTarget {
   readonly #float: boolean;
   #picture: PictureTarget | null = null;
 
-  /** Made anew for a restored context. */
+  /** Create the target, again after a restoration of the context. */
   constructor(gl: WebGL2RenderingContext) {
     this.#gl = gl;
     this.#float = canDraw(gl, "RGBA16F");
     this.#program = new Program(gl, presentVertexShader, presentFragmentShader, ["picture", "size"]);
   }
 
-  /** Give the canvas its size and bind what is to be drawn into; returns the size at which to draw. */
+  /** Set the canvas's size and bind the target; returns the size at which to draw. */
   begin(width: number, height: number, { scale, float }: Fineness): DrawnSize {
     const { canvas } = this.#gl;
     if (canvas.width !== width) canvas.width = width;
@@ -37,9 +37,9 @@ export class CanvasTarget {
     return { width, height };
   }
 
-  /** Put what has been drawn onto the canvas, and leave the canvas bound. */
+  /** Copy the picture to the canvas, and leave the canvas bound. */
   end(): void {
-    if (!this.#picture) return; // it was the canvas itself
+    if (!this.#picture) return; // the canvas was the target
     const gl = this.#gl;
     const { width, height } = gl.canvas;
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);

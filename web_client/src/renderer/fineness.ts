@@ -1,18 +1,21 @@
 /**
- * How finely pictures are drawn: in which share of the canvas's resolution, and blended in half floats or in 8 bits. Half
- * floats round hundreds of faint splats once and not each (measured on a trained scene: 6 to 10 dB nearer to the exact
+ * The fineness of pictures: their share of the canvas's resolution, and blending in half floats or 8 bits. Half floats
+ * round hundreds of faint splats once instead of each (measured on a trained scene: 6 to 10 dB nearer to the exact
  * picture), and cost about a quarter more.
  */
 
-import type { Quality } from "./quality_names";
+/** A viewer's choice. Auto: as fine as the device can at a steady rate while something moves, and finest at rest. */
+export type Quality = "auto" | "high" | "medium" | "low";
+
+export const QUALITIES: readonly Quality[] = ["auto", "high", "medium", "low"];
 
 export interface Fineness {
-  /** Of the canvas's width and height. */
+  /** Factor of the canvas's width and height. */
   readonly scale: number;
   readonly float: boolean;
-  /** So many splats are drawn at most, the most useful ones. */
+  /** Largest number of splats; the most useful ones are drawn. */
   readonly splats: number;
-  /** Of the time that the finest takes, about: pixels count, half floats, and how many of the splats there are. */
+  /** Cost relative to the finest: pixels, half floats and the number of splats count. */
   readonly cost: number;
 }
 
@@ -23,10 +26,10 @@ const fineness = (scale: number, float: boolean, splats = Number.POSITIVE_INFINI
   scale,
   float,
   splats,
-  cost: scale * scale * (float ? 1 : 0.75) * (splats === FEW ? 0.6 : 1), // as of a scene of twice as many
+  cost: scale * scale * (float ? 1 : 0.75) * (splats === FEW ? 0.6 : 1), // cost in a scene of twice as many
 });
 
-/** From the finest on. */
+/** The rungs, finest first. */
 export const LADDER: readonly Fineness[] = [
   fineness(1, true),
   fineness(1, false),
@@ -38,16 +41,16 @@ export const LADDER: readonly Fineness[] = [
 
 const FIXED: Readonly<Record<Exclude<Quality, "auto">, number>> = { high: 0, medium: 1, low: 3 };
 
-/** A picture of a moving scene may take so long, milliseconds. */
+/** Largest duration of a picture of a moving scene, milliseconds. */
 const BUDGET = 1000 / 30;
-/** So many pictures are looked at, because the first ones wait for shaders and uploads. */
+/** Number of pictures in a measurement: the first ones wait for shaders and uploads. */
 const MEMORY = 4;
-/** A finer picture must be expected to take no more than this share of the budget, or the choice would swing. */
+/** Largest share of the budget for a finer picture, as a margin: without it the choice would swing. */
 const CAUTION = 0.7;
 
 export class QualityControl {
   quality: Quality = "auto";
-  readonly #finest: number[] = []; // what the finest picture would have taken, of the last ones, ms
+  readonly #finest: number[] = []; // durations of recent pictures, converted to the finest, ms
   #step = 0;
 
   /** The rung of the ladder for pictures while something moves. */
@@ -60,12 +63,12 @@ export class QualityControl {
     return this.quality === "auto" ? 0 : FIXED[this.quality];
   }
 
-  /** So many splats a picture of a rung has at most, the most useful ones; `Infinity` for all. */
+  /** Largest number of splats for a rung, the most useful ones; `Infinity` for all. */
   splats(rung: number): number {
     return this.quality === "low" ? FEW : LADDER[rung].splats;
   }
 
-  /** Note how long a picture of a rung took, milliseconds. */
+  /** Note the duration of a picture of a rung, milliseconds. */
   measured(duration: number, rung: number): void {
     const recent = this.#finest;
     recent.push(duration / LADDER[rung].cost);
@@ -78,7 +81,7 @@ export class QualityControl {
 }
 
 /**
- * What a page may set as its budget of splats.
+ * A page's budget of splats.
  *
  * @throws RangeError if it is not at least 1.
  */

@@ -1,6 +1,6 @@
 /**
- * When the device is done with a picture, from a fence behind it. Without it a slow device would be sent pictures faster
- * than it draws, and everything it shows would come late.
+ * The completion of pictures on the device, from a fence behind each. Without it a slow device would receive pictures
+ * faster than it draws, and show all of them late.
  */
 
 export class GpuPace {
@@ -9,7 +9,11 @@ export class GpuPace {
   #since = 0;
   #rung = 0;
 
-  /** @param measured called with how long each picture took, milliseconds, and the rung that it was submitted with */
+  /**
+   * Watch a device.
+   *
+   * @param measured called with each picture's duration, milliseconds, and its rung
+   */
   constructor(
     gl: WebGL2RenderingContext,
     readonly measured: (duration: number, rung: number) => void,
@@ -17,7 +21,7 @@ export class GpuPace {
     this.#gl = gl;
   }
 
-  /** Note that a picture has just been submitted. `now` in milliseconds, of any steady clock. */
+  /** Note the submission of a picture at `now`, milliseconds of any steady clock. */
   submitted(now: number, rung: number): void {
     if (this.#fence) this.#gl.deleteSync(this.#fence);
     this.#fence = this.#gl.fenceSync(this.#gl.SYNC_GPU_COMMANDS_COMPLETE, 0);

@@ -1,4 +1,6 @@
-/** How splats lie in the data textures; shared by the worker that packs them and the shaders that read them. */
+/** The layout of splats in the data textures; shared by the worker that packs them and the shaders that read them. */
+
+import type { ChunkEntry, Manifest } from "../codec/types";
 
 /** Binary digits of a texel's column in a data texture. */
 const TEXTURE_BITS = 11;
@@ -10,27 +12,33 @@ export const TEXTURE_WIDTH = 1 << TEXTURE_BITS;
 export const STATIC_TEXELS = 4;
 
 /**
- * RGBA32F texels of a dynamic splat: 3 of motion, 2 of rotation, [sigma, peak opacity] [r g b, mu] [s, q, -, -]. q is 1 if
- * the motion goes on to the fifth order, else 0.
+ * RGBA32F texels of a dynamic splat: 3 of motion, 2 of rotation, [sigma, peak opacity] [r g b, mu] [s, q, -, -]. q is 1
+ * if the motion continues to the fifth order, else 0.
  */
 export const DYNAMIC_TEXELS = 8;
 
-/** RGBA32F texels of a dynamic splat in a texture of their own, which only scenes with such splats have: [m4, -] [m5, -]. */
+/**
+ * RGBA32F texels of a dynamic splat in a separate texture, only for scenes with motions of the fifth order: [m4, -]
+ * [m5, -].
+ */
 export const FIFTH_TEXELS = 2;
 
 export const STATICS_PER_ROW = TEXTURE_WIDTH / STATIC_TEXELS;
 export const DYNAMICS_PER_ROW = TEXTURE_WIDTH / DYNAMIC_TEXELS;
 
-/** Texels per row of the texture of the fifth order: as many splats as in a row of the dynamics. */
+/** Texels per row of the texture of the fifth order: for as many splats as a row of dynamics. */
 export const FIFTH_WIDTH = DYNAMICS_PER_ROW * FIFTH_TEXELS;
 
-/** Set in the ids of dynamic splats. */
+/** The bit that marks ids of dynamic splats. */
 export const DYNAMIC_BIT = 0x80000000;
 
-/** Triangles drawn by one instance, one for each splat: many, because small instances starve GPUs. */
+/** Whether an id is that of a dynamic splat. */
+export const isDynamic = (id: number): boolean => id >= DYNAMIC_BIT;
+
+/** Triangles per instance, one for each splat: small instances starve GPUs. */
 export const TRIANGLES_PER_INSTANCE = 1024;
 
-/** The numbers above for the vertex shader of splats. */
+/** The numbers above as definitions for the vertex shader of splats. */
 export const LAYOUT_DEFINITIONS = `
 #define TEXTURE_BITS ${TEXTURE_BITS}
 #define TEXTURE_WIDTH ${TEXTURE_WIDTH}
@@ -41,3 +49,23 @@ export const LAYOUT_DEFINITIONS = `
 #define DYNAMIC_BIT ${DYNAMIC_BIT}u
 #define TRIANGLES_PER_INSTANCE ${TRIANGLES_PER_INSTANCE}u
 `;
+
+export interface StaticPlacement {
+  /** Chunk id -> id of its first splat; the others follow. */
+  readonly first: ReadonlyMap<string, number>;
+  readonly rows: number;
+}
+
+/** The rows of static chunks: whole ones per chunk, in manifest order. */
+export function placeStatics(manifest: Manifest): StaticPlacement {
+  const first = new Map<string, number>();
+  let rows = 0;
+  for (const chunk of manifest.static) {
+    first.set(chunk.id, rows * STATICS_PER_ROW);
+    rows += Math.ceil(chunk.splats / STATICS_PER_ROW);
+  }
+  return { first, rows };
+}
+
+/** Number of texture rows for a dynamic chunk; any free ones will do. */
+export const rowsOf = ({ splats }: Pick<ChunkEntry, "splats">): number => Math.ceil(splats / DYNAMICS_PER_ROW);

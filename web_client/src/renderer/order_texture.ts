@@ -13,7 +13,7 @@ export class OrderTexture {
 
   /** Upload the first `count` ids. `ids` is whole rows long. */
   write(gl: WebGL2RenderingContext, ids: Uint32Array, count: number): void {
-    if (gl.isContextLost()) return; // whoever makes it anew asks for another order
+    if (gl.isContextLost()) return; // another order follows the restoration
     const rows = Math.ceil(count / TEXTURE_WIDTH);
     if (rows > this.#rows || !this.#texture) {
       gl.deleteTexture(this.#texture);

@@ -1,4 +1,4 @@
-/** An off-screen picture that splats are drawn into. */
+/** An off-screen target for pictures of splats. */
 
 export type PixelFormat = "RGBA8" | "RGBA16F" | "RGBA32F";
 
@@ -24,7 +24,7 @@ export class PictureTarget {
     this.#gl = gl;
     this.#texture = gl.createTexture();
     this.bindTexture(0);
-    // Eight bits are for pictures that are shown larger than they are.
+    // Eight bits are for pictures that are enlarged.
     const filter = format === "RGBA8" ? gl.LINEAR : gl.NEAREST;
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, filter);
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, filter);
@@ -36,18 +36,18 @@ export class PictureTarget {
     gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, this.#texture, 0);
   }
 
-  /** Draw into it from now on. */
+  /** Bind it as the target of drawing. */
   bind(): void {
     this.#gl.bindFramebuffer(this.#gl.FRAMEBUFFER, this.#framebuffer);
   }
 
-  /** Offer the picture to shaders. */
+  /** Bind the picture for reading in shaders. */
   bindTexture(unit: number): void {
     this.#gl.activeTexture(this.#gl.TEXTURE0 + unit);
     this.#gl.bindTexture(this.#gl.TEXTURE_2D, this.#texture);
   }
 
-  /** RGBA, rows from the bottom; of the float formats. `part` as x, y from the bottom, width, height. */
+  /** RGBA, rows from the bottom; float formats only. `part` is x, y from the bottom, width, height. */
   read(part: readonly [number, number, number, number] = [0, 0, this.width, this.height]): Float32Array {
     this.bind();
     const data = new Float32Array(4 * part[2] * part[3]);

@@ -1,4 +1,4 @@
-/** Compiling and linking, with errors that say what the driver said. */
+/** Compiled and linked programs, with the driver's messages as errors. */
 
 function compile(gl: WebGL2RenderingContext, type: number, source: string): WebGLShader {
   const shader = gl.createShader(type);
@@ -8,7 +8,7 @@ function compile(gl: WebGL2RenderingContext, type: number, source: string): WebG
   return shader;
 }
 
-/** Where uniforms are; null for those that a program does not use. */
+/** Locations of uniforms; null for unused ones. */
 export type Uniforms<Name extends string> = Readonly<Record<Name, WebGLUniformLocation | null>>;
 
 export function uniformsOf<Name extends string>(

@@ -1,34 +1,37 @@
-/** What one picture shows, and what a picture that was read back holds. */
+/** A shot, which defines one picture, and the pixels of a picture. */
 
 import type { Rig } from "../camera/magnification";
 import type { Intrinsics, Pose } from "../camera/pinhole";
 
-/** What becomes of splats that an eye comes close to; for eyes that go anywhere, such as in a headset. */
+/** The fading of splats close to an eye; for eyes at any place, such as in a headset. */
 export interface CloseUp {
-  /** Depth from which on splats are drawn in full, world units; towards the near plane they fade. */
+  /** Smallest depth without fading, world units; splats fade towards the near plane. */
   readonly clear: number;
-  /** Standard deviation, pixels, from which on a splat fades; one twice as wide is not drawn. */
+  /** Largest standard deviation without fading, pixels; splats of twice that are not drawn. */
   readonly widest: number;
 }
 
 export interface Shot {
   readonly pose: Pose;
   readonly camera: Intrinsics;
-  /** Normalised time of the segment whose dynamics the order names. */
+  /** Normalised time in the segment of the order's dynamics. */
   readonly time: number;
   /**
-   * Fade splats thinner than the low-pass, which else show too wide and too strong from afar (docs/numerics.md,
-   * "Antialiasing"). On a page the player decides; pictures for the eyes of a headset always set it, or thin splats
-   * shimmer as the head moves. A scene that was trained without it looks fainter so.
+   * Fade splats thinner than the low-pass, which otherwise appear too wide and too strong from afar (docs/numerics.md,
+   * "Antialiasing"). On a page the player decides; a headset always sets it, because thin splats would shimmer as the
+   * head moves. Scenes trained without it look fainter with it.
    */
   readonly antialiased: boolean;
-  /** Where this picture is larger than theirs, splats are as soft as in theirs. */
+  /** The cameras whose pictures limit the sharpness of larger ones. */
   readonly rig: Rig;
-  /** Left out, nothing fades: the picture of docs/numerics.md. */
+  /** Undefined for no fading: the picture of docs/numerics.md. */
   readonly closeUp?: CloseUp;
 }
 
-/** Rows from the top, RGBA; bytes from the canvas, floats (linear in the same units, 0 to 1) from the float target. */
+/**
+ * Pixels in RGBA, from the top row; bytes from the canvas, floats (linear in the same units, 0 to 1) from the float
+ * target.
+ */
 export interface Pixels {
   readonly width: number;
   readonly height: number;

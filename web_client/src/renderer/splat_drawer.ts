@@ -1,6 +1,6 @@
 /**
- * The splats of one scene in one WebGL2 context: their data textures, their order, and the program that draws them into
- * whatever framebuffer is bound. It knows no canvas, so that a page's own context, a host's or a headset's will do.
+ * The splats of one scene in one WebGL2 context: data textures, order, and the program that draws them into the bound
+ * framebuffer. It needs no canvas, so it serves a page's own context, a host's and a headset's.
  */
 
 import { magnification } from "../camera/magnification";
@@ -32,31 +32,31 @@ const UNIFORMS = [
   "depths",
 ] as const;
 
-/** Wider than anything that is drawn, pixels. */
+/** Larger than any deviation, pixels. */
 const LARGEST = 1e9;
 
-/** Rows that a texture can have on any device with WebGL2. */
+/** Texture rows that every device with WebGL2 supports. */
 export const FEWEST_ROWS = 2048;
 
-/** Where a scene's decoded splats and their order go. */
+/** The receiver of a scene's decoded splats and of their order. */
 export interface SplatSink {
-  /** Rows that a texture can have on this device. */
+  /** Texture rows that this device supports. */
   readonly mostRows: number;
   /** Make room for a scene; `staticRows` and `dynamicRows` are texture rows. */
   allocate(staticRows: number, dynamicRows: number): void;
-  /** Take packed static splats; `first` is the id of the first, at the start of a row. */
+  /** Write packed static splats; `first` is the id of the first, at the start of a row. */
   writeStatics(first: number, texels: Float32Array): void;
-  /** Take packed dynamic splats into these rows, one after the other. `fifth` may be empty. */
+  /** Write packed dynamic splats into these rows, in sequence. `fifth` may be empty. */
   writeDynamics(rows: readonly number[], texels: Float32Array, fifth: Float32Array): void;
-  /** Set what is drawn: `count` ids, farthest first, in an array of whole texture rows. */
+  /** Set the order of drawing: `count` ids, farthest first, in an array of whole texture rows. */
   setOrder(ids: Uint32Array, count: number): void;
 }
 
-/** What is different where splats are drawn among other things. */
+/** The differences where splats are drawn among other things. */
 export interface SplatSurroundings {
   /** GLSL that defines `surround`: see splat.vert. */
   readonly shader: string;
-  /** The program has been made, or made anew. */
+  /** The program has been linked, for the first time or again. */
   linked(gl: WebGL2RenderingContext, program: WebGLProgram): void;
   /** Splats are about to be drawn; the program is in use, and the depth test is off. */
   prepare(gl: WebGL2RenderingContext): void;
@@ -68,7 +68,7 @@ export class SplatDrawer implements SplatSink {
   readonly #fifth = new SplatTexture("dynamic", FIFTH_WIDTH);
   readonly #order = new OrderTexture();
   #program: Program<(typeof UNIFORMS)[number]> | undefined;
-  #vertices!: WebGLVertexArrayObject; // without attributes: the shader reads the textures
+  #vertices!: WebGLVertexArrayObject; // no attributes: the shader reads textures
   #dynamicRows = 0;
   #mostRows = FEWEST_ROWS;
   #count = 0;
@@ -84,7 +84,7 @@ export class SplatDrawer implements SplatSink {
     return this.#mostRows;
   }
 
-  /** What the splats and their order take on the device, bytes. */
+  /** Memory for splats and order on the device, bytes. */
   get bytes(): number {
     const textures = [this.#statics, this.#dynamics, this.#fifth, this.#order];
     return textures.reduce((sum, { bytes }) => sum + bytes, 0);
@@ -121,10 +121,10 @@ export class SplatDrawer implements SplatSink {
     this.#count = count;
   }
 
-  /** Make everything anew in a context that was lost and has come back; then the splats and an order must be set again. */
+  /** Create everything again in a restored context; then the splats and an order must be set again. */
   rebuild(): void {
     const { gl, surroundings } = this;
-    if (gl.isContextLost()) return; // lost before it could be used: this is called again when it is back
+    if (gl.isContextLost()) return; // called again after the restoration
     this.#mostRows = gl.getParameter(gl.MAX_TEXTURE_SIZE);
     const more = surroundings ? "#define SURROUNDED\n" : "";
     const vertices = vertexShader.replace("\n", LAYOUT_DEFINITIONS + more) + (surroundings?.shader ?? "");
@@ -140,9 +140,9 @@ export class SplatDrawer implements SplatSink {
   }
 
   /**
-   * Blend the splats over what is in the bound framebuffer, in the rectangle of the camera's size whose lower left corner
-   * is `origin`, in pixels of that framebuffer. Depth is not looked at, but for what the surroundings do. With `paint`
-   * "depth" a splat's colour is how far away its centre is, in each channel.
+   * Blend the splats over the bound framebuffer, in the rectangle of the camera's size with the lower left corner
+   * `origin`, in pixels of that framebuffer. Only the surroundings may use depth. With `paint` "depth" each channel of
+   * a splat's colour is the depth of its centre.
    */
   draw(
     { pose, camera, time, antialiased, rig, closeUp }: Shot,
@@ -188,7 +188,7 @@ export class SplatDrawer implements SplatSink {
     gl.bindVertexArray(null);
   }
 
-  /** Delete what was made in the context; the context itself stays. */
+  /** Delete everything created in the context; the context itself stays. */
   dispose(): void {
     const { gl } = this;
     this.#program?.dispose();

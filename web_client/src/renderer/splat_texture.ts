@@ -12,7 +12,7 @@ export class SplatTexture {
     readonly width = TEXTURE_WIDTH,
   ) {}
 
-  /** Whether anything was written since room was made. */
+  /** Whether anything was written since the allocation. */
   get filled(): boolean {
     return this.#filled;
   }
@@ -25,7 +25,7 @@ export class SplatTexture {
   /**
    * Make room for `rows` rows, empty.
    *
-   * @throws Error if the device holds no such texture; of a lost context, once it is back.
+   * @throws Error if the device supports no such texture; for a lost context, at its restoration.
    */
   allocate(gl: WebGL2RenderingContext, rows: number): void {
     this.#rows = Math.max(1, rows);
@@ -33,7 +33,7 @@ export class SplatTexture {
     this.create(gl);
   }
 
-  /** Write whole rows of texels, one after the other, to these rows of the texture. */
+  /** Write whole rows of texels, in sequence, to these rows of the texture. */
   write(gl: WebGL2RenderingContext, rows: readonly number[], texels: Float32Array): void {
     if (texels.length === 0) return;
     this.#filled = true;
@@ -50,7 +50,7 @@ export class SplatTexture {
 
   /** Create the texture, empty. */
   create(gl: WebGL2RenderingContext): void {
-    if (gl.isContextLost()) return; // it knows nothing; all is made anew when it is back
+    if (gl.isContextLost()) return; // created again at the restoration
     const most = gl.getParameter(gl.MAX_TEXTURE_SIZE) as number;
     if (this.#rows > most) {
       throw new Error(`this device holds ${most} rows of ${this.what} splats, and the scene has ${this.#rows}`);

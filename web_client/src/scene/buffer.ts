@@ -1,17 +1,15 @@
-/** Which chunks are here, and which moments can be shown with them. */
+/** The buffer: received chunks, and the moments that can be shown with them. */
 
-import { type Layered, layersOf } from "../codec/layers";
-import { chunksOf, sliceAt } from "../codec/slices";
+import { chunksOf, type Layered, layersOf, sliceAt } from "../codec/manifest_chunks";
 import type { Manifest } from "../codec/types";
+import { ChunkStates } from "./chunk_states";
 
-/** Nobody knows how fast the line will be then, seconds. */
+/** Longest forecast of the line's rate, seconds. */
 const FORESEEN = 10;
 
 export class SceneBuffer {
-  readonly #arrived = new Set<string>();
-  readonly #away = new Set<string>(); // of those, what cannot be drawn now
-  readonly #lost = new Set<string>();
-  #layers: ReadonlyMap<string, Layered>; // of all chunks
+  readonly states = new ChunkStates();
+  #layers: ReadonlyMap<string, Layered>; // layers of all chunks
 
   constructor(readonly manifest: Manifest) {
     this.#layers = layersOf(manifest);
@@ -22,48 +20,19 @@ export class SceneBuffer {
     this.#layers = layersOf(this.manifest);
   }
 
-  /** Note that a chunk can be drawn from now on. */
-  arrived(id: string): void {
-    this.#arrived.add(id);
-    this.#away.delete(id);
-    this.#lost.delete(id);
-  }
-
-  /** Note that a chunk is here, but cannot be drawn yet. */
-  delivered(id: string): void {
-    if (this.#arrived.has(id)) return;
-    this.#arrived.add(id);
-    this.#away.add(id);
-  }
-
-  /** Note that a chunk has made room for others: it cannot be drawn until it arrives again. */
-  evicted(id: string): void {
-    this.#away.add(id);
-  }
-
-  /** Note that a chunk cannot be had: what else there is at its time is shown without it. */
-  lose(id: string): void {
-    if (!this.#arrived.has(id) || this.#away.has(id)) this.#lost.add(id);
-  }
-
-  /** How many chunks are shown without. */
-  get lost(): number {
-    return this.#lost.size;
-  }
-
-  /** True if every dynamic splat alive at `time` is here, or cannot be had. */
+  /** True if every dynamic splat alive at `time` is drawn, or lost. */
   ready(time: number): boolean {
     return this.#here(this.#shownAt(time), true);
   }
 
-  /** True if the base layers of all that is shown at `time` are here: what is missing refines the picture. */
+  /** True if the base layers of all chunks shown at `time` are there: missing ones only refine the picture. */
   playable(time: number): boolean {
     return this.#here([...this.#statics, ...this.#shownAt(time)], false);
   }
 
   /**
-   * Whether playing from `time` on, at `rate`, is likely not to wait for what comes at so many bytes per second, or not within
-   * `reserve` seconds.
+   * Whether playing from `time` on, at `rate`, is likely not to stall within `reserve` seconds if the line brings so
+   * many bytes per second.
    */
   lasts(time: number, rate: number, bytesPerSecond: number, reserve: number): boolean {
     const { slices } = this.manifest;
@@ -85,12 +54,12 @@ export class SceneBuffer {
     return this.#here(this.#statics, true);
   }
 
-  /** True if the whole scene is here, or was: what has made room since can be fetched. One that grows is never whole. */
+  /** True if the whole scene was received: evicted chunks can be fetched. A growing scene is never complete. */
   get complete(): boolean {
-    return this.manifest.live === null && this.#arrived.size === this.#layers.size;
+    return this.manifest.live === null && this.states.size === this.#layers.size;
   }
 
-  /** The stretches of time that can be played, as disjoint [start, end] in order. */
+  /** The playable stretches of time, as disjoint [start, end] in order. */
   ranges(): [number, number][] {
     const { slices, start, end } = this.manifest;
     if (slices.length === 0) return [[start, end]];
@@ -114,9 +83,8 @@ export class SceneBuffer {
     return this.manifest.static.map((chunk) => chunk.id);
   }
 
-  /** Whether none of the chunks, or none of the base layers among them, is still to come. */
+  /** Whether all of the chunks, or at least the base layers among them, are there. */
   #here(ids: readonly string[], all: boolean): boolean {
-    const here = (id: string) => (this.#arrived.has(id) && !this.#away.has(id)) || this.#lost.has(id);
-    return ids.every((id) => here(id) || (!all && this.#layers.get(id)?.layer !== 0));
+    return ids.every((id) => this.states.settled(id) || (!all && this.#layers.get(id)?.layer !== 0));
   }
 }

@@ -1,40 +1,44 @@
-/** The way of chunks to their decoder: keeps the source's credit, and fetches again what arrives damaged. */
+/** The intake of chunks for the decoder: returns the source's credit, and fetches damaged chunks again. */
 
-/** Pauses before a damaged chunk is fetched again, milliseconds: at once, and then when a disturbance may have passed. */
+/** Pauses before a damaged chunk is fetched again, milliseconds: at once, and then after a possible disturbance. */
 const PAUSES = [0, 1000];
 
 export interface IntakeEvents {
   /** Decode a chunk; answered by `done` or `damaged`. */
   decode(id: string, bytes: Uint8Array<ArrayBuffer>): void;
-  /** The decoder is done with so many bytes. */
+  /** The decoder has finished so many bytes. */
   consumed(bytes: number): void;
-  /** A chunk stays damaged; `message` says how. */
+  /** A chunk stays damaged; `message` is the reason. */
   lost(id: string, message: string): void;
 }
 
 export class ChunkIntake {
   readonly #streamed = new Map<string, number>(); // sizes of chunks at the decoder, bytes
-  readonly #fetched = new Map<string, number>(); // how often a chunk has been fetched again
+  readonly #fetched = new Map<string, number>(); // times that a chunk has been fetched again
   readonly #abort = new AbortController();
 
-  /** @param fetchAgain brings a chunk's bytes once more. */
+  /**
+   * Take chunks in.
+   *
+   * @param fetchAgain brings a chunk's bytes once more.
+   */
   constructor(
     readonly events: IntakeEvents,
     readonly fetchAgain: (id: string, signal: AbortSignal) => Promise<Uint8Array<ArrayBuffer>>,
   ) {}
 
-  /** A complete chunk has come from the source. */
+  /** A complete chunk has arrived from the source. */
   arrived(id: string, bytes: Uint8Array<ArrayBuffer>): void {
     this.#streamed.set(id, bytes.length);
     this.events.decode(id, bytes);
   }
 
-  /** A chunk has been decoded, or let go of. */
+  /** A chunk has been decoded, or dropped. */
   done(id: string): void {
     this.#consume(id);
   }
 
-  /** A chunk cannot be decoded; `message` says why. */
+  /** A chunk cannot be decoded; `message` is the reason. */
   async damaged(id: string, message: string): Promise<void> {
     this.#consume(id);
     const times = this.#fetched.get(id) ?? 0;
@@ -56,12 +60,12 @@ export class ChunkIntake {
     }
   }
 
-  /** Fetch and report nothing any more. */
+  /** Stop fetching and reporting. */
   dispose(): void {
     this.#abort.abort();
   }
 
-  /** Only chunks that the source brought by itself cost credit. */
+  /** Return a chunk's credit; only chunks of the stream cost any. */
   #consume(id: string): void {
     const bytes = this.#streamed.get(id);
     if (bytes === undefined) return;

@@ -1,9 +1,12 @@
-/** The playhead: play, pause, seek, rate, loop, and waiting for data. It is told the time and owns no timer. */
+/** The playhead: play, pause, seek, rate, loop, and waiting for data. It owns no timer: callers pass the time. */
 
-/** Longest step taken at once, seconds: a tab that was hidden goes on where it stopped. */
+/** Longest step, seconds: a tab that was hidden continues where it stopped. */
 const LONGEST_STEP = 0.25;
 
-/** So far before the edge of a scene that grows a playhead waits, seconds: at the edge the next segment is shown. */
+/**
+ * Distance of a waiting playhead from the edge of a growing scene, seconds: at the edge itself the next segment is
+ * shown.
+ */
 const EDGE = 0.001;
 
 /**
@@ -18,18 +21,18 @@ export function checkedRate(rate: number): number {
 
 export class PlayerClock {
   loop = true;
-  /** The stretch that playing repeats, seconds, whether or not `loop`; null for none. */
+  /** The repeated stretch, seconds, independent of `loop`; null for none. */
   range: readonly [number, number] | null = null;
-  /** Whether the scene grows: the playhead waits at its edge, and goes on when `end` is later. */
+  /** Whether the scene grows: the playhead waits at its edge, and continues when `end` is later. */
   grows = false;
   #time: number;
   #rate = 1;
   #playing = false;
   #stalled = false;
-  /** At which of its moments the time was right, seconds of whatever steady clock it is told; null before. */
+  /** Time of the last tick, seconds of the caller's steady clock; null before. */
   ticked: number | null = null;
 
-  /** A clock over [start, end] seconds of the scene, standing at the start. */
+  /** Start a clock over [start, end] seconds of the scene, paused at the start. */
   constructor(
     readonly start: number,
     public end: number,
@@ -46,7 +49,7 @@ export class PlayerClock {
     return this.#playing;
   }
 
-  /** Seconds: as far as the playhead goes. */
+  /** Seconds: the end of the playhead's way. */
   get last(): number {
     return this.grows ? this.end - EDGE : this.end;
   }
@@ -65,7 +68,7 @@ export class PlayerClock {
     this.#rate = checkedRate(value);
   }
 
-  /** Go on; from the start if the end has been reached, be it of the range. */
+  /** Play; from the start if the end, or that of the range, has been reached. */
   play(): void {
     if (this.#playing) return;
     const [from, to] = this.range ?? [this.start, this.end];
@@ -89,7 +92,7 @@ export class PlayerClock {
   /**
    * Advance to `now` (seconds of any steady clock) and return the scene's time.
    *
-   * The playhead enters no moment for which `ready` is false: it stalls, and starts anew when the data is there.
+   * The playhead enters no moment for which `ready` is false: it stalls, and resumes when the data is there.
    */
   tick(now: number, ready: (time: number) => boolean): number {
     const step = this.ticked === null ? 0 : Math.min(LONGEST_STEP, Math.max(0, now - this.ticked));
@@ -106,7 +109,7 @@ export class PlayerClock {
     return this.#time;
   }
 
-  /** Where the playhead is after so many seconds if it plays on: `last` itself only where it stops there. */
+  /** The playhead's time after so many seconds of playing: `last` itself only if it stops there. */
   after(seconds: number): number {
     const next = this.#time + seconds * this.#rate;
     if (this.range && this.#time < this.range[1]) {

@@ -1,26 +1,28 @@
-/** How much of a scene is kept in memory. */
+/** The memory budget of a scene. */
 
-import { chunksOf } from "../codec/slices";
+import { chunksOf } from "../codec/manifest_chunks";
 import type { Manifest, Room } from "../codec/types";
-import { TEXTURE_WIDTH } from "../renderer/layout";
-import { rowsOf } from "../worker/placement";
+import { rowsOf, TEXTURE_WIDTH } from "../renderer/layout";
 
 const MB = 1 << 20;
-/** What waits for its time, and what is on its way from the decoder to the textures: about so many bytes. */
+/** Bytes of waiting chunks, and of data between decoder and textures, about. */
 const UNDER_WAY = 40 * MB;
 /** Bytes of a texture's row: RGBA32F. */
 const ROW = 16 * TEXTURE_WIDTH;
-/** Bytes of a row of dynamics in all: two textures, motion, lives and reaches at the worker, and the chunk's compressed bytes. */
+/**
+ * Total bytes of a row of dynamics: two textures, motion, lives and reaches at the worker, and the chunk's compressed
+ * bytes.
+ */
 const DYNAMIC_ROW = ROW + ROW / 4 + 256 * (18 + 4) * 4 + 256 * 24;
-/** Of a row of statics: the texture, positions at the worker, and the chunk's compressed bytes. */
+/** Total bytes of a row of statics: the texture, positions at the worker, and the chunk's compressed bytes. */
 const STATIC_ROW = ROW + 512 * (3 * 4 + 16);
 
-/** A scene that grows is taken to become so many times as large; what does not fit then comes and goes. */
+/** Assumed growth of a growing scene, a factor; beyond it, chunks are evicted. */
 const GROWTH = 4;
 
-/** What a browser tells of its device. */
+/** A browser's description of its device. */
 export interface Device {
-  /** GiB, at most 8; not told by every browser. */
+  /** GiB, at most 8; not in every browser. */
   readonly deviceMemory?: number;
   readonly userAgent?: string;
 }
@@ -32,8 +34,8 @@ export function defaultBudget(device: Device = globalThis.navigator ?? {}): numb
 }
 
 /**
- * How many rows of dynamics a budget, in bytes, has room for beside the statics: at most all of the scene, and at least
- * what any one moment needs, even if that is more than the budget.
+ * Number of rows of dynamics that a budget, in bytes, allows beside the statics: at most the whole scene, and at least
+ * the needs of any one moment, even beyond the budget.
  */
 export function dynamicRows(manifest: Manifest, staticRows: number, budget: number, most: number): number {
   const { slices, room } = manifest;
@@ -42,7 +44,7 @@ export function dynamicRows(manifest: Manifest, staticRows: number, budget: numb
   const enough = (of: Room) => of.chunks + rowsOf(of); // each chunk takes whole rows
   const all = (room ? enough(room.all) : sum(sizes.keys())) * (manifest.live === null ? 1 : GROWTH);
   const affordable = Math.min(most, Math.floor((budget - UNDER_WAY - staticRows * STATIC_ROW) / DYNAMIC_ROW));
-  // Of two slices in a row: while one is shown, the other comes.
+  // Two consecutive slices: while one is shown, the next one arrives.
   const needed = slices.map((slice, i) =>
     sum(new Set([...chunksOf(slice), ...chunksOf(slices[(i + 1) % slices.length])])),
   );

@@ -1,21 +1,21 @@
-/** The moments that one order of splats can be drawn at. An order belongs to one segment. */
+/** The moments at which one order of splats can be drawn. An order belongs to one segment. */
 
-import { sliceAt } from "../codec/slices";
+import { sliceAt } from "../codec/manifest_chunks";
 import type { Manifest, SegmentEntry } from "../codec/types";
 import type { Playback } from "./playback";
 
 export interface Moment {
-  /** Seconds: the moment of which the order is exact. */
+  /** Seconds: the order is exact at this moment. */
   readonly time: number;
-  /** Seconds: what is alive from `from` until `until` is in the order; `time` lies between. */
+  /** Seconds: the order contains all splats alive from `from` until `until`; `time` lies between. */
   readonly from: number;
   readonly until: number;
 }
 
-/** A picture this much beside its order's moment, in seconds, is drawn at that moment: a step that no eye sees. */
+/** Difference from an order's moment, seconds, that is too small to see: the picture is drawn at the order's moment. */
 const SNAP = 0.002;
 
-/** The segment that is shown at `time`, seconds; undefined where nothing moves. */
+/** The segment shown at `time`, seconds; undefined if nothing moves. */
 function segmentAt({ slices, segments }: Manifest, time: number): SegmentEntry | undefined {
   const slice = slices[sliceAt(slices, time)];
   return slice && segments[slice.segment];
@@ -31,12 +31,12 @@ export function momentOf(manifest: Manifest, time: number, from = time, until = 
   };
 }
 
-/** For at least so long an order can be drawn while the scene moves, seconds, should the next one be late. */
+/** Shortest use of an order while the scene moves, seconds, in case the next one is late. */
 const SHORTEST_USE = 0.05;
 
 /**
- * What to order: at rest the very moment, else the one at which the order will be shown and those about it. While that lacks
- * its base, what was shown last; null if nothing was.
+ * The moment of the next order: at rest the playhead's, otherwise the one at which the order will be shown, and those
+ * around it. While that lacks its base, the last one shown; null if there was none.
  *
  * @param lead seconds until the order will be shown.
  */
@@ -50,17 +50,19 @@ export function nextMoment({ clock, moving, buffer }: Playback, shown: Moment | 
   return momentOf(buffer.manifest, time, Math.min(now, time), until);
 }
 
-/** An order this far from the playhead, in seconds, is not late or early: the playhead has jumped, or will. */
+/**
+ * Distance from the playhead, in seconds, beyond which an order is not late or early: the playhead has jumped, or will.
+ */
 const JUMP = 0.25;
 
-/** When to draw by an order while the playhead is at `playhead`, seconds: as near to that as the order allows. */
+/** The time of a picture by an order while the playhead is at `playhead`, seconds: as near as the order allows. */
 export function drawnTime({ time, from, until }: Moment, playhead: number): number {
   const snaps = Math.abs(playhead - time) <= SNAP;
   if (snaps || playhead < from - JUMP || playhead > until + JUMP) return time;
   return Math.min(until, Math.max(from, playhead));
 }
 
-/** A time of the moment's segment as the renderer takes it, in [0, 1]. */
+/** A time of the moment's segment in the renderer's unit, [0, 1]. */
 export function normalised(manifest: Manifest, moment: Moment, time: number): number {
   const segment = segmentAt(manifest, moment.time);
   if (!segment) return 0;

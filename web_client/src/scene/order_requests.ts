@@ -1,22 +1,22 @@
-/** Keeps the order of the splats up to date: asks the worker for one at a time, and remembers what the last one is of. */
+/** The current order of splats: requests one at a time from the worker, and keeps the key of the last one. */
 
 import type { SplatSink } from "../renderer/splat_drawer";
 import type { OrderedSplats } from "../worker/messages";
 import type { SceneWorker } from "../worker/scene_worker";
 import type { Moment } from "./moment";
-import { type Sight, sameSight } from "./sight";
+import { type Sight, sameSight } from "./view";
 
-/** What an order is of. */
+/** The key of an order. */
 export interface OrderKey extends Moment, Sight {
-  /** Of a view that stands; one that moves has an order that is quicker and may swap splats of all but the same depth. */
+  /** True for a view that rests; an order for a moving view is faster, and may swap splats of nearly equal depth. */
   readonly exact: boolean;
-  /** So many splats are in it at most, the most useful ones. */
+  /** Largest number of splats, the most useful ones. */
   readonly budget: number;
-  /** Counts what the worker has decoded. */
+  /** Number of chunks decoded by the worker. */
   readonly version: number;
 }
 
-/** An order, and when it was asked for. */
+/** A request for an order, and its time. */
 interface Asked {
   readonly key: OrderKey;
   readonly at: number; // ms
@@ -25,14 +25,14 @@ interface Asked {
 
 export class OrderRequests {
   readonly #lead = new OrderLead();
-  /** Moments of further orders that are drawn; of whoever keeps some. */
+  /** Moments of further orders in use, set by their owner. */
   others: readonly Moment[] = [];
   #frame = 0;
   #now = 0; // ms
   #asked: Asked | null = null;
   #shown: Asked | null = null;
-  #fresh = false; // no frame has seen the shown order yet
-  #ids: Uint32Array<ArrayBuffer> | undefined; // of the order that is shown, until the next one comes
+  #fresh = false; // true until a frame has used the shown order
+  #ids: Uint32Array<ArrayBuffer> | undefined; // the shown order's, until the next one arrives
   #spare: Uint32Array<ArrayBuffer> | undefined;
   #count = 0;
   #dynamicSplats = 0;
@@ -43,12 +43,12 @@ export class OrderRequests {
     readonly sink: Pick<SplatSink, "setOrder">,
   ) {}
 
-  /** What the order that is drawn now is of; null before the first. */
+  /** The key of the shown order; null before the first. */
   get shown(): OrderKey | null {
     return this.#shown?.key ?? null;
   }
 
-  /** The moments of the order that is shown, of the one that is asked for, and of `others`. */
+  /** The moments of the shown and the requested order, and `others`. */
   get moments(): Moment[] {
     return [...[this.#shown, this.#asked].flatMap((order) => order?.key ?? []), ...this.others];
   }
@@ -58,32 +58,32 @@ export class OrderRequests {
     return this.#count;
   }
 
-  /** Those of them that move. */
+  /** Dynamic splats among them. */
   get dynamicSplats(): number {
     return this.#dynamicSplats;
   }
 
-  /** How long the worker needed for the shown order, milliseconds. */
+  /** Duration of the shown order's sort in the worker, milliseconds. */
   get sortTime(): number {
     return this.#sortTime;
   }
 
-  /** How long before the last frame the shown order was asked for, milliseconds. */
+  /** Time between the request of the shown order and the last frame, milliseconds. */
   get age(): number {
     return this.#shown ? this.#now - this.#shown.at : 0;
   }
 
-  /** The same in frames: 1 if the frame before asked for it. */
+  /** The same in frames: 1 if it was requested in the previous frame. */
   get ageInFrames(): number {
     return this.#shown ? this.#frame - this.#shown.frame : 0;
   }
 
-  /** How long after it has been asked for an order is likely to be shown, milliseconds. */
+  /** Expected time from the request of an order until it is shown, milliseconds. */
   get lead(): number {
     return this.#lead.duration;
   }
 
-  /** A frame begins, at `now`, milliseconds of the clock of all frames; it shows the order that there is. */
+  /** Begin a frame, at `now`, milliseconds of the clock of all frames, with the current order. */
   frame(now: number): void {
     this.#frame++;
     this.#now = now;
@@ -91,7 +91,7 @@ export class OrderRequests {
     this.#fresh = false;
   }
 
-  /** Ask for an order unless it is there already or the worker is busy with one; call again at the next frame. */
+  /** Request an order unless it is there already or the worker is busy; call again at the next frame. */
   want(key: OrderKey): void {
     if (this.#asked || this.shows(key)) return;
     this.#asked = { key, at: this.#now, frame: this.#frame };
@@ -127,19 +127,19 @@ export class OrderRequests {
 }
 
 const RECENT = 5;
-/** Longest lead that is believed, milliseconds: a machine that has been asleep is no measure. */
+/** Longest lead that counts, milliseconds: a suspended machine gives no measurement. */
 const LONGEST = 250;
 
 export class OrderLead {
   readonly #recent: number[] = [];
 
-  /** Note that an order was shown so many milliseconds after it was asked for. */
+  /** Note the time between an order's request and its first frame, milliseconds. */
   note(duration: number): void {
     this.#recent.push(Math.min(LONGEST, Math.max(0, duration)));
     if (this.#recent.length > RECENT) this.#recent.shift();
   }
 
-  /** Milliseconds: the median of the last few, which one hiccup does not move; 0 before the first. */
+  /** Milliseconds: the median of the last few, which ignores single hiccups; 0 before the first. */
   get duration(): number {
     const sorted = [...this.#recent].sort((a, b) => a - b);
     return sorted[sorted.length >> 1] ?? 0;

@@ -1,18 +1,25 @@
-/** Moves the playhead, and tells the source, whose own playhead runs along, where this one goes and when it waits. */
+/**
+ * Playback: moves the playhead, and reports its course and its waits to the source, with a playhead of its own; and the
+ * events of a playhead.
+ */
 
 import type { SceneSource } from "../source/scene_source";
 import type { SceneBuffer } from "./buffer";
 import type { PlayerClock } from "./clock";
 
-/** Where it will wait again, playing begins at a place for so many seconds, and goes on for so many once it has waited. */
+/** Seconds of playing without a stall that must be certain at the start, and after a stall. */
 const FIRST = 1.5;
 const AGAIN = 3;
 
 export class Playback {
-  #stalled = false; // as the source knows
+  #stalled = false; // the source's state
   #reserve = FIRST;
 
-  /** @param bytesPerSecond what the line brings. */
+  /**
+   * Play a buffer.
+   *
+   * @param bytesPerSecond rate of the line.
+   */
   constructor(
     readonly clock: PlayerClock,
     readonly buffer: SceneBuffer,
@@ -49,7 +56,7 @@ export class Playback {
     if (this.clock.playing) this.source.play(this.clock.time, rate);
   }
 
-  /** Move the playhead; what is missing there comes before everything else. */
+  /** Move the playhead; missing chunks there come before all others. */
   seek(time: number): void {
     this.clock.seek(time);
     this.#reserve = FIRST;
@@ -60,12 +67,12 @@ export class Playback {
   }
 
   /**
-   * Advance to `now` (seconds of any steady clock) and return the scene's time. Until the scene is `pictured` the playhead
-   * waits: nobody should miss its beginning.
+   * Advance to `now` (seconds of any steady clock) and return the scene's time. Until the scene is `pictured` the
+   * playhead waits: nobody should miss its beginning.
    */
   tick(now: number, pictured = true): number {
     const { clock, buffer } = this;
-    const waiting = clock.stalled; // one that has begun to wait does so until it need not soon wait again
+    const waiting = clock.stalled; // a stalled playhead waits for a reserve
     const time = clock.tick(
       now,
       (moment) =>
@@ -75,7 +82,7 @@ export class Playback {
     );
     if (this.moving) this.#reserve = AGAIN;
     this.source.playheadAt(time);
-    // The source's playhead runs ahead while this one waits.
+    // The source's playhead runs on while this one waits.
     if (clock.stalled !== this.#stalled) {
       this.#stalled = clock.stalled;
       if (this.#stalled) this.source.pause(time);
@@ -84,10 +91,43 @@ export class Playback {
     return time;
   }
 
-  /** A hidden page gets no frames: its playhead stands. */
+  /** Pause a hidden page's playhead: the page gets no frames. */
   pageHidden(hidden: boolean): void {
     if (!this.clock.playing) return;
     if (hidden) this.source.pause(this.clock.time);
     else this.source.play(this.clock.time, this.clock.rate);
+  }
+}
+
+const TIME_GAP = 250; // ms between two events of a running playhead
+
+export type ProgressEvent = "firstpicture" | "play" | "pause" | "stalled" | "playing" | "timeupdate" | "ended";
+
+export class ProgressEvents {
+  #pictured = false;
+  #playing = false;
+  #stalled = false;
+  #time: number | null = null;
+  #toldAt = Number.NEGATIVE_INFINITY; // ms of the last of them
+
+  /** The events since the last call; `pictured`: there is a picture. `now` in milliseconds. */
+  since(clock: PlayerClock, pictured: boolean, now: number): ProgressEvent[] {
+    const events: ProgressEvent[] = [];
+    if (pictured && !this.#pictured) events.push("firstpicture");
+    if (clock.playing && !this.#playing) events.push("play");
+    if (clock.stalled !== this.#stalled && clock.playing) events.push(clock.stalled ? "stalled" : "playing");
+    const paused = this.#playing && !clock.playing;
+    const due = !clock.playing || now - this.#toldAt >= TIME_GAP;
+    if (clock.time !== this.#time && due) {
+      events.push("timeupdate");
+      this.#time = clock.time;
+      this.#toldAt = now;
+    }
+    if (paused) events.push("pause");
+    if (paused && clock.time >= clock.end) events.push("ended");
+    this.#pictured = pictured;
+    this.#playing = clock.playing;
+    this.#stalled = clock.stalled;
+    return events;
   }
 }

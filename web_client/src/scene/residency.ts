@@ -1,51 +1,46 @@
 /**
- * Which of the chunks that move are in memory: those that the playhead needs first, as many as the textures hold. What it
- * has passed makes room, and is fetched again when its turn comes. Chunks that come too early wait as they came.
+ * The dynamic chunks in memory: as many as fit into the textures, in the order in which the playhead needs them. Passed
+ * chunks make room, and are fetched again later. Chunks that arrive too early wait in compressed form.
  */
 
-import { chunksOf, sliceAt } from "../codec/slices";
+import { chunksOf, sliceAt } from "../codec/manifest_chunks";
 import type { ChunkEntry, Manifest } from "../codec/types";
-import { rowsOf } from "../worker/placement";
+import { rowsOf } from "../renderer/layout";
+import type { ChunkState, ChunkStates } from "./chunk_states";
 
-/** Chunks fetched again at once. */
+/** Parallel fetches of evicted chunks. */
 const PARALLEL = 4;
-/** Pause after a chunk could not be fetched, milliseconds. */
+/** Pause after a failed fetch, milliseconds. */
 const PAUSE = 2000;
-/** What waits may be so much, bytes, while the source still owes what is needed sooner: else the source would wait for us. */
+/** Most bytes of waiting chunks while the source still owes more urgent ones: else the source would wait for us. */
 const MOST_WAITING = 8 << 20;
 
 export interface ResidencyEvents {
   /** Decode a chunk into these rows; answered by `decoded`, or by `lost`. */
   decode(id: string, bytes: Uint8Array<ArrayBuffer>, rows: readonly number[]): void;
-  /** The chunk's rows are given to others. */
+  /** The chunk's rows are reused. */
   evicted(id: string): void;
-  /** A chunk that waited was let go of undecoded. */
+  /** A waiting chunk was dropped undecoded. */
   dropped(id: string): void;
-  /** `update` has something to do. */
+  /** There is work for `update`. */
   changed(): void;
 }
-
-type State =
-  | { readonly at: "waiting"; readonly bytes: Uint8Array<ArrayBuffer> }
-  | { readonly at: "decoder" | "textures"; readonly rows: readonly number[] }
-  /** It was here, and can be fetched. */
-  | { readonly at: "away" | "way" };
 
 export class Residency {
   readonly #pool: RowPool;
   readonly #chunks = new Map<string, ChunkEntry>();
-  readonly #states = new Map<string, State>(); // of the chunks that have come once
   readonly #abort = new AbortController();
-  #ranking: string[] = []; // all chunks, those first that the playhead needs first
-  #slice = -1; // of the ranking; -1 while there is none
+  #ranking: string[] = []; // all chunks, most urgent first
+  #slice = -1; // slice of the ranking; -1 without one
   #stale = true;
 
   /**
    * @param rows of the texture.
-   * @param fetchAgain brings a chunk that was here before.
+   * @param fetchAgain brings a chunk that was received before.
    */
   constructor(
     readonly manifest: Manifest,
+    readonly states: ChunkStates,
     rows: number,
     readonly events: ResidencyEvents,
     readonly fetchAgain: (id: string, signal: AbortSignal) => Promise<Uint8Array<ArrayBuffer>>,
@@ -54,64 +49,65 @@ export class Residency {
     this.grow();
   }
 
-  /** The manifest names all that it will, or has become a later version. */
+  /** The manifest is complete, or has become a later version. */
   grow(): void {
     for (const { chunks } of this.manifest.slices) for (const chunk of chunks) this.#chunks.set(chunk.id, chunk);
     this.#slice = -1;
   }
 
-  /** Whether the chunk is of those that come and go. */
+  /** Whether a chunk is dynamic. */
   concerns(id: string): boolean {
     return this.#chunks.has(id);
   }
 
-  /** A chunk has come. */
+  /** A chunk has arrived. */
   offer(id: string, bytes: Uint8Array<ArrayBuffer>): void {
-    const state = this.#states.get(id);
-    // One that was damaged comes again into the rows that wait for it.
-    if (state?.at === "decoder") this.events.decode(id, bytes, state.rows);
-    else if (state?.at !== "textures") this.#set(id, { at: "waiting", bytes });
+    const state = this.states.get(id);
+    // A damaged chunk has arrived again, and still has its rows.
+    if (state?.at === "decoding") this.events.decode(id, bytes, state.rows);
+    else if (state?.at !== "drawn") this.#set(id, { at: "waiting", bytes });
   }
 
+  /** A chunk has been decoded; also a static one. */
   decoded(id: string): void {
-    const state = this.#states.get(id);
-    if (state?.at === "decoder") this.#set(id, { at: "textures", rows: state.rows });
+    const state = this.states.get(id);
+    if (!state || state.at === "decoding") this.#set(id, { at: "drawn", rows: state?.rows ?? [] });
   }
 
-  /** A chunk cannot be decoded, for good. */
+  /** A chunk is damaged for good. */
   lost(id: string): void {
-    const state = this.#states.get(id);
-    if (state?.at !== "decoder") return;
+    const state = this.states.get(id);
+    if (state?.at !== "decoding") return;
     this.#pool.give(state.rows);
-    this.#states.delete(id);
+    this.states.set(id, { at: "damaged" });
     this.#stale = true;
   }
 
-  /** Make the best of the memory for a playhead at `time`, seconds; what orders show by `shown` stays where it is. */
+  /** Use the memory best for a playhead at `time`, seconds; chunks of the displayed orders, `shown`, stay. */
   update(time: number, shown: () => ReadonlySet<string>): void {
     const slice = sliceAt(this.manifest.slices, time);
     if (slice !== this.#slice) this.#rank(slice);
     else if (!this.#stale) return;
     this.#stale = false;
     const wanted = this.#wanted();
-    let fetching = [...this.#states.values()].filter(({ at }) => at === "way").length;
+    let fetching = [...this.states.values()].filter(({ at }) => at === "fetching").length;
     for (const id of wanted) {
-      const state = this.#states.get(id);
+      const state = this.states.get(id);
       if (state?.at === "waiting" && !this.#admit(id, state.bytes, wanted, shown)) break;
-      if (state?.at === "away" && fetching < PARALLEL) {
+      if (state?.at === "evicted" && fetching < PARALLEL) {
         fetching++;
         void this.#fetch(id);
       }
     }
-    if ([...wanted].some((id) => !this.#states.has(id))) this.#dropWaiting(wanted);
+    if ([...wanted].some((id) => this.#owed(id))) this.#dropWaiting(wanted);
   }
 
-  /** Fetch and report nothing any more. */
+  /** Stop fetching and reporting. */
   dispose(): void {
     this.#abort.abort();
   }
 
-  /** All chunks from a slice on, around the loop. */
+  /** Rank all chunks from a slice on, around the loop. */
   #rank(slice: number): void {
     const { slices } = this.manifest;
     const ids = slices.flatMap((_, i) => chunksOf(slices[(slice + i) % slices.length]));
@@ -119,7 +115,7 @@ export class Residency {
     this.#slice = slice;
   }
 
-  /** The first of the ranking that fit into the texture together. */
+  /** The most urgent chunks that fit into the texture together. */
   #wanted(): Set<string> {
     const wanted = new Set<string>();
     let rows = 0;
@@ -131,55 +127,61 @@ export class Residency {
     return wanted;
   }
 
-  /** Returns false if there is no room yet. */
+  /** Decode a chunk if there is room; returns false if there is none yet. */
   #admit(id: string, bytes: Uint8Array<ArrayBuffer>, wanted: Set<string>, shown: () => ReadonlySet<string>): boolean {
     const count = this.#rowsOf(id);
     const stays = this.#pool.free < count ? shown() : null;
     for (let i = this.#ranking.length - 1; this.#pool.free < count && i >= 0; i--) {
       const victim = this.#ranking[i];
-      const state = this.#states.get(victim);
-      if (state?.at !== "textures" || wanted.has(victim) || stays?.has(victim)) continue;
+      const state = this.states.get(victim);
+      if (state?.at !== "drawn" || wanted.has(victim) || stays?.has(victim)) continue;
       this.#pool.give(state.rows);
-      this.#states.set(victim, { at: "away" });
+      this.states.set(victim, { at: "evicted" });
       this.events.evicted(victim);
     }
     if (this.#pool.free < count) {
-      this.#stale = true; // what is shown now will not be for long
+      this.#stale = true; // retry when the displayed orders have changed
       return false;
     }
     const rows = this.#pool.take(count);
-    this.#states.set(id, { at: "decoder", rows });
+    this.states.set(id, { at: "decoding", rows });
     this.events.decode(id, bytes, rows);
     return true;
   }
 
   async #fetch(id: string): Promise<void> {
     const { signal } = this.#abort;
-    this.#states.set(id, { at: "way" });
+    this.states.set(id, { at: "fetching" });
     try {
       const bytes = await this.fetchAgain(id, signal);
       if (!signal.aborted) this.offer(id, bytes);
     } catch {
       await new Promise((resolve) => setTimeout(resolve, PAUSE));
-      if (!signal.aborted) this.#set(id, { at: "away" });
+      if (!signal.aborted) this.#set(id, { at: "evicted" });
     }
   }
 
-  /** The farthest that wait, while they are too much. */
+  /** Drop the least urgent waiting chunks beyond the limit. */
   #dropWaiting(wanted: Set<string>): void {
     let sum = 0;
     for (const id of this.#ranking) {
-      const state = this.#states.get(id);
+      const state = this.states.get(id);
       if (state?.at !== "waiting") continue;
       sum += state.bytes.length;
       if (sum <= MOST_WAITING || wanted.has(id)) continue;
-      this.#states.set(id, { at: "away" });
+      this.states.set(id, { at: "evicted" });
       this.events.dropped(id);
     }
   }
 
-  #set(id: string, state: State): void {
-    this.#states.set(id, state);
+  /** Whether only the source can bring the chunk: it has not arrived, or only damaged. */
+  #owed(id: string): boolean {
+    const state = this.states.get(id);
+    return !state || state.at === "damaged";
+  }
+
+  #set(id: string, state: ChunkState): void {
+    this.states.set(id, state);
     this.#stale = true;
     this.events.changed();
   }
@@ -201,7 +203,11 @@ export class RowPool {
     return this.#free.length;
   }
 
-  /** @throws RangeError if there are not so many. */
+  /**
+   * Take rows.
+   *
+   * @throws RangeError if there are not so many.
+   */
   take(count: number): number[] {
     if (count > this.#free.length)
       throw new RangeError(`${count} rows are asked for, and ${this.#free.length} are free`);

@@ -1,11 +1,13 @@
-/** The way of a scene's chunks: from the source through the decoder into the sink's textures, and out of them again. */
+/**
+ * The path of a scene's chunks: from the source through the decoder into the sink's textures, and out of them again.
+ */
 
-import { chunksBetween } from "../codec/slices";
+import { chunksBetween } from "../codec/manifest_chunks";
 import type { Manifest } from "../codec/types";
+import { placeStatics } from "../renderer/layout";
 import type { SplatSink } from "../renderer/splat_drawer";
 import type { SceneSource } from "../source/scene_source";
 import type { DecodedSplats } from "../worker/messages";
-import { placeStatics } from "../worker/placement";
 import type { SceneWorker } from "../worker/scene_worker";
 import type { SceneBuffer } from "./buffer";
 import { ChunkIntake } from "./chunk_intake";
@@ -17,14 +19,14 @@ export interface ChunkParts {
   readonly worker: Pick<SceneWorker, "decode" | "evict" | "repack">;
   readonly sink: SplatSink;
   readonly source: () => Pick<SceneSource, "consumed" | "fetchAgain" | "close">;
-  /** Something has come or gone. */
+  /** A chunk has arrived, changed or gone. */
   readonly changed: () => void;
 }
 
 export class SceneChunks {
   readonly #parts: ChunkParts;
   readonly #intake: ChunkIntake;
-  #buffer: SceneBuffer | null = null; // from the manifest on
+  #buffer: SceneBuffer | null = null; // null until the manifest has arrived
   #residency: Residency | null = null;
   #version = 0;
   #restoring = false;
@@ -36,7 +38,7 @@ export class SceneChunks {
         decode: (id, bytes) => this.#decode(id, bytes),
         consumed: (bytes) => parts.source().consumed(bytes),
         lost: (id, message) => {
-          // biome-ignore lint/suspicious/noConsole: the page says it in plain words; this is the cause
+          // biome-ignore lint/suspicious/noConsole: the page has plain words for it; this is the cause
           console.warn(message);
           this.#residency?.lost(id);
           this.missing(id);
@@ -46,18 +48,19 @@ export class SceneChunks {
     );
   }
 
-  /** Counts the chunks that the worker has decoded, and refillings of the sink. */
+  /** Number of chunks decoded by the worker, and of refills of the sink. */
   get version(): number {
     return this.#version;
   }
 
-  /** Whether the sink is being filled again. */
+  /** Whether the sink is being refilled. */
   get restoring(): boolean {
     return this.#restoring;
   }
 
   /**
-   * Make room for a scene within a budget of memory, bytes; by the kind of device if undefined. `buffer` is kept up to date.
+   * Make room for a scene within a memory budget, bytes; the default is for the kind of device. `buffer` is kept up to
+   * date.
    *
    * @throws Error if the device cannot hold the scene's statics.
    */
@@ -69,13 +72,11 @@ export class SceneChunks {
     this.#buffer = buffer;
     this.#residency = new Residency(
       manifest,
+      buffer.states,
       rows,
       {
         decode: (id, bytes, into) => worker.decode(id, bytes, into),
-        evicted: (id) => {
-          worker.evict(id);
-          buffer.evicted(id);
-        },
+        evicted: (id) => worker.evict(id),
         dropped: (id) => this.#intake.done(id),
         changed: () => this.#parts.changed(),
       },
@@ -90,14 +91,14 @@ export class SceneChunks {
     this.#close();
   }
 
-  /** A complete chunk has come from the source. */
+  /** A complete chunk has arrived from the source. */
   arrived(id: string, bytes: Uint8Array<ArrayBuffer>): void {
     this.#intake.arrived(id, bytes);
   }
 
-  /** Go on without a chunk. */
+  /** Continue without a chunk. */
   missing(id: string): void {
-    this.#buffer?.lose(id);
+    this.#buffer?.states.lose(id);
     this.#parts.changed();
   }
 
@@ -105,7 +106,6 @@ export class SceneChunks {
   decoded(splats: DecodedSplats): void {
     const { id } = splats;
     this.#write(splats);
-    this.#buffer?.arrived(id);
     this.#version++;
     this.#intake.done(id);
     this.#residency?.decoded(id);
@@ -113,12 +113,12 @@ export class SceneChunks {
     this.#parts.changed();
   }
 
-  /** The worker cannot decode a chunk; `message` says why. */
+  /** The worker cannot decode a chunk; `message` is the reason. */
   damaged(id: string, message: string): void {
     void this.#intake.damaged(id, message);
   }
 
-  /** Keep in memory what a playhead at `time`, seconds, needs, and what orders of these moments show. */
+  /** Keep the chunks for a playhead at `time`, seconds, and for the orders of these moments in memory. */
   reside(time: number, moments: () => readonly Moment[]): void {
     const slices = this.#buffer?.manifest.slices;
     if (!slices) return;
@@ -126,43 +126,39 @@ export class SceneChunks {
     this.#residency?.update(time, shown);
   }
 
-  /** The sink has lost all that it was given, and takes it again. */
+  /** Refill the sink, which has lost everything. */
   restore(): void {
     this.#restoring = true;
     this.#parts.worker.repack();
   }
 
-  /** The worker brings a chunk's splats once more. */
+  /** A chunk's splats are packed again. */
   packed(splats: DecodedSplats): void {
     this.#write(splats);
   }
 
-  /** The worker has brought them all. */
+  /** All chunks are packed again. */
   repacked(): void {
     this.#restoring = false;
-    this.#version++; // the picture is to be drawn again
+    this.#version++; // forces a new picture
     this.#parts.changed();
   }
 
-  /** Fetch and report nothing any more. */
+  /** Stop fetching and reporting. */
   dispose(): void {
     this.#intake.dispose();
     this.#residency?.dispose();
   }
 
-  /** What comes again is fetched by its id. */
+  /** Close the source of a complete scene; evicted chunks are fetched by their ids. */
   #close(): void {
     if (this.#buffer?.complete) this.#parts.source().close();
   }
 
-  /** Decode a chunk, one that moves when there is room for it. */
+  /** Decode a chunk; a dynamic one once there is room. */
   #decode(id: string, bytes: Uint8Array<ArrayBuffer>): void {
-    if (!this.#residency?.concerns(id)) {
-      this.#parts.worker.decode(id, bytes);
-      return;
-    }
-    this.#buffer?.delivered(id);
-    this.#residency.offer(id, bytes);
+    if (this.#residency?.concerns(id)) this.#residency.offer(id, bytes);
+    else this.#parts.worker.decode(id, bytes);
   }
 
   #write({ kind, first, rows, texels, fifth }: DecodedSplats): void {

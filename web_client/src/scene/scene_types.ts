@@ -1,4 +1,4 @@
-/** What a streamed scene is made from, what it tells of itself, and what a step of it comes to. */
+/** Options, events and steps of a streamed scene. */
 
 import type { Manifest } from "../codec/types";
 import type { Shot } from "../renderer/shot";
@@ -11,19 +11,19 @@ export interface SceneOptions {
   /** Seconds from which to show and load first; null for the start. */
   readonly time: number | null;
   readonly playing: boolean;
-  /** Whether to draw with antialiasing; null to do as the scene's manifest says. */
+  /** Whether to draw with antialiasing; null for the manifest's choice. */
   readonly antialiased: boolean | null;
-  /** Bytes that the scene's splats may take, of this page and of the device; by the kind of device if not given. */
+  /** Memory for the scene's splats, of page and device, bytes; the default is for the kind of device. */
   readonly memoryBudget?: number;
 }
 
-/** What a step has come to. */
+/** The result of a step. */
 export interface SceneStep {
-  /** What to draw for each of the views; none before the first order. */
+  /** The shots for the views; none before the first order. */
   readonly shots: readonly Shot[];
   /** Whether the scene moves, and is not waiting for data. */
   readonly moving: boolean;
-  /** Whether all that is alive at the time of the shots is in them. */
+  /** Whether the shots contain all splats alive at their time. */
   readonly settled: boolean;
 }
 
@@ -31,10 +31,10 @@ export interface SceneEvents {
   manifest(manifest: Manifest): void;
   /** The manifest has become a later version. */
   grown?(manifest: Manifest): void;
-  /** Something has changed that the next frame should look at. */
+  /** A change that the next frame should consider. */
   changed(): void;
   /** The sink has a new order. */
   ordered(): void;
-  /** One line for people, and the cause for whoever looks into it; playing may go on. */
+  /** One line for people, and the cause for debugging; playing may continue. */
   failed(message: string, cause: string): void;
 }

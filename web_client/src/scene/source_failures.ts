@@ -1,4 +1,4 @@
-/** Why a source has ended, for people. */
+/** The sentences for the reasons of a source's end. */
 
 import type { SourceFailure } from "../source/scene_source";
 

@@ -1,6 +1,6 @@
 /**
- * A scene while it arrives and plays: the only owner of its source, its worker, its buffer and its order of splats. What
- * has been decoded goes to a sink, such as the renderer of a page, of a headset or of a host.
+ * A scene while it arrives and plays: the only owner of its source, worker, buffer and order of splats. Decoded splats
+ * go to a sink, such as the renderer of a page, of a headset or of a host.
  */
 
 import { type Rig, rigOf } from "../camera/magnification";
@@ -17,12 +17,11 @@ import { type OrderKey, OrderRequests } from "./order_requests";
 import { Playback } from "./playback";
 import { SceneChunks } from "./scene_chunks";
 import type { SceneEvents, SceneOptions, SceneStep } from "./scene_types";
-import { type Sight, sameSight, sightOf } from "./sight";
-import type { View } from "./view";
+import { type Sight, sameSight, sightOf, type View } from "./view";
 
 export class StreamedScene {
   readonly orders: OrderRequests;
-  /** So many splats are drawn of a view at most, the most useful ones; from the next step on. */
+  /** Largest number of splats per view, the most useful ones; from the next step on. */
   splatBudget = Number.POSITIVE_INFINITY;
   readonly #options: SceneOptions;
   readonly #events: SceneEvents;
@@ -32,12 +31,12 @@ export class StreamedScene {
   readonly #line = new Throughput();
   #manifest: Manifest | null = null;
   #rig: Rig = [];
-  #playback: Playback | null = null; // from the manifest on
+  #playback: Playback | null = null; // null until the manifest has arrived
   #state: SourceState = "connecting";
   #bytes = 0;
   #pictureTime = 0;
   #pictured = false;
-  #suspended = false; // there is nothing to draw into
+  #suspended = false; // true while there is nothing to draw into
   #lastSight: Sight | null = null;
 
   constructor(options: SceneOptions, events: SceneEvents) {
@@ -85,17 +84,17 @@ export class StreamedScene {
     );
   }
 
-  /** Null until it has arrived. */
+  /** The manifest; null until it has arrived. */
   get manifest(): Manifest | null {
     return this.#manifest;
   }
 
-  /** Null until the manifest has arrived. */
+  /** The playback; null until the manifest has arrived. */
   get playback(): Playback | null {
     return this.#playback;
   }
 
-  /** Counts the chunks that the worker has decoded. */
+  /** Number of chunks decoded by the worker. */
   get version(): number {
     return this.#chunks.version;
   }
@@ -114,7 +113,7 @@ export class StreamedScene {
     return this.#pictureTime;
   }
 
-  /** Whether a step has told what to draw, something or all that there is, since there is a sink that can. */
+  /** Whether a step of the current sink had anything to draw. */
   get pictured(): boolean {
     return this.#pictured;
   }
@@ -125,8 +124,9 @@ export class StreamedScene {
   }
 
   /**
-   * One frame: move the clock to `now`, milliseconds of any steady clock, ask for the order of what the views see, and tell
-   * what to draw. Whoever draws calls it: a page's loop, a headset's session, a host. Null until the manifest has arrived.
+   * One frame: move the clock to `now`, milliseconds of any steady clock, request the order for the views, and return
+   * the shots to draw. Called by every kind of loop: a page's, a headset's, a host's. Null until the manifest has
+   * arrived.
    */
   step(now: number, views: readonly [View, ...View[]]): SceneStep | null {
     const playback = this.#playback;
@@ -148,7 +148,7 @@ export class StreamedScene {
     return { shots, moving: playback.moving, settled };
   }
 
-  /** What a view shows now: at the playhead, or as near to it as the order allows that is `shown`. */
+  /** The current shot of a view: at the playhead, or as near to it as the order `shown` allows. */
   shot(view: View, shown: OrderKey | null = this.orders.shown): Shot {
     const antialiased = this.#options.antialiased ?? this.#manifest?.antialiased ?? false;
     const rig = this.#rig;
@@ -157,13 +157,13 @@ export class StreamedScene {
     return { ...view, time: normalised(this.#manifest, shown, this.#pictureTime), antialiased, rig };
   }
 
-  /** The sink takes nothing until `restore`: nothing is ordered, and the playhead stands. */
+  /** Stop ordering and the playhead until `restore`: the sink takes nothing. */
   suspend(): void {
     this.#suspended = true;
     this.#pictured = false;
   }
 
-  /** The sink has lost all that it was given, and takes it again. */
+  /** Refill the sink, which has lost everything. */
   restore(): void {
     this.#suspended = this.#pictured = false;
     this.orders.forget();
@@ -175,14 +175,14 @@ export class StreamedScene {
     this.source.wake();
   }
 
-  /** Stop and give everything back but the sink. */
+  /** Stop, and release everything but the sink. */
   dispose(): void {
     this.source.close();
     this.#chunks.dispose();
     this.#worker.dispose();
   }
 
-  /** Whether all that is alive at the time of the shown order, or of `wanted` if the scene stands, is in that order. */
+  /** Whether the shown order contains all splats alive at its time, or at that of `wanted` if the scene rests. */
   #settled(wanted: OrderKey): boolean {
     const { shown } = this.orders;
     const playback = this.#playback;
@@ -211,7 +211,7 @@ export class StreamedScene {
       this.#rig = rigOf(manifest);
       this.#playback = new Playback(clock, buffer, this.source, () => this.#line.rate(performance.now()));
       if (this.#options.playing) this.#playback.play();
-      this.#events.manifest(manifest); // whoever hears it may pause
+      this.#events.manifest(manifest); // a listener may pause
       this.#events.changed();
     } catch (error) {
       this.source.close();
@@ -220,7 +220,7 @@ export class StreamedScene {
     }
   }
 
-  /** All who have the manifest see what it has become. */
+  /** Update the manifest for all its users. */
   #grow(later: Manifest): void {
     const clock = this.#playback?.clock;
     if (!clock || !this.#manifest) return;
@@ -233,7 +233,7 @@ export class StreamedScene {
     this.#events.changed();
   }
 
-  /** Keep in memory what the playhead needs. */
+  /** Keep the chunks for the playhead in memory. */
   #reside(): void {
     const clock = this.#playback?.clock;
     if (clock) this.#chunks.reside(clock.time, () => this.orders.moments);

@@ -1,4 +1,4 @@
-/** What a loudspeaker's button, a key and a headset's panel do. */
+/** Muting, for the loudspeaker button, a key and a headset's panel. */
 
 /** A player's loudness. */
 interface Loudness {
@@ -6,10 +6,10 @@ interface Loudness {
   volume: number;
 }
 
-/** Loudness to begin with where the visitor asks for sound that had been turned down to nothing. */
+/** First volume after unmuting a player that was turned down to nothing. */
 const AUDIBLE = 0.5;
 
-/** Whether nothing is to be heard. */
+/** Whether there is no sound. */
 export const isSilent = ({ muted, volume }: Loudness): boolean => muted || volume === 0;
 
 /** Mute or unmute. */

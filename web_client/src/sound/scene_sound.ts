@@ -1,6 +1,7 @@
 /**
- * Plays the sound of a scene in step with its picture, by Web Audio. It follows the picture, which never waits for it. Nothing
- * is fetched while it is muted, and nothing sounds before the visitor has touched the page: browsers would not let it.
+ * The sound of a scene in step with its picture, by Web Audio. It follows the picture, which never waits for it.
+ * Nothing is fetched while it is muted, and nothing sounds before the visitor has touched the page: browsers do not
+ * allow it.
  */
 
 import { type AudioEntry, readAudio, type SoundPiece } from "../codec/audio_entry";
@@ -10,27 +11,27 @@ import { newContext, outputTime, toSample } from "./device";
 import { stretched } from "./stretch";
 import { Alignment, type Line, partToHear, pieceAt } from "./timing";
 
-/** Pieces for so many seconds of playing are fetched, and those of so many handed to the device. */
+/** Seconds of playing for which pieces are fetched, and for which they are scheduled. */
 const AHEAD = 3;
 const SOON = 0.6;
-/** At greater rates there is no sound: it could not be understood. */
+/** Highest rate with sound: beyond it, nothing could be understood. */
 const FASTEST = 4;
-/** Decoded pieces that are kept, about 0.4 MB each. */
+/** Number of decoded pieces in memory, about 0.4 MB each. */
 const KEPT = 24;
-/** Sound begins and ends within so many seconds, without a click. */
+/** Fade at the beginning and end of sound, seconds, against clicks. */
 const FADE = 0.01;
-/** From a frame's time until its picture is seen, seconds: about the next refresh of the screen. */
+/** Time from a frame until its picture is visible, seconds: about the next refresh of the screen. */
 const DISPLAY = 1 / 60;
-/** What the device needs to begin something, seconds. */
+/** Shortest notice for the device, seconds. */
 const LATEST = 0.005;
-/** A browser that does not begin within so many milliseconds wants the visitor to touch the page first. */
+/** Milliseconds without a start after which the browser is waiting for the visitor to touch the page. */
 const PATIENCE = 1000;
 /** Milliseconds of silence after which the device may rest. */
 const REST = 500;
-/** Milliseconds after which a piece that could not be had is asked for again. */
+/** Milliseconds before a piece that could not be fetched is requested again. */
 const RETRY = 3000;
 
-/** Whose sound it is: tells by events that a frame has passed and that it is to be louder, quieter or muted; hears of `error`. */
+/** The player of the sound: reports by events that a frame has passed or the loudness has changed; receives `error`. */
 export interface Heard extends Pick<EventTarget, "dispatchEvent"> {
   readonly manifest: Manifest | null;
   muted: boolean;
@@ -39,32 +40,34 @@ export interface Heard extends Pick<EventTarget, "dispatchEvent"> {
   addEventListener(type: "frame" | "volumechange", listener: () => void, options: { signal: AbortSignal }): void;
 }
 
-/** What sounds together, by one line: ended as one when the line changes. */
+/** Sounds scheduled by one line: they end together when the line changes. */
 interface Run {
   readonly line: Line;
-  /** The line moved by less than a sample, so that each piece begins at one, right after the one before. */
+  /** The line moved by less than a sample, so that each piece begins at one, right after its predecessor. */
   readonly exact: Line;
   readonly fade: GainNode;
-  /** By their start. */
+  /** Sources by the start of their pieces. */
   readonly pieces: Map<number, AudioBufferSourceNode>;
 }
 
 export class SceneSound {
   #audio: AudioEntry;
-  #listed: unknown; // what of the manifest has been read
+  #listed: unknown; // the manifest's entry as last read
   readonly #alignment = new Alignment();
-  /** By the start of their pieces; null: on its way, or not to be had now. */
+  /** Decoded pieces by their start; null: being fetched, or not available now. */
   readonly #buffers = new Map<number, AudioBuffer | null>();
   #context: AudioContext | null = null;
   #volume: GainNode | null = null;
   #run: Run | null = null;
-  #rest: ReturnType<typeof setTimeout> | undefined; // while the device is to rest soon, or rests
-  #waking: ReturnType<typeof setTimeout> | undefined; // while it is asked to begin
-  #deaf = false; // the browser cannot decode such sound, and this has been said
+  #rest: ReturnType<typeof setTimeout> | undefined; // set while the device is to rest soon, or rests
+  #waking: ReturnType<typeof setTimeout> | undefined; // set while the device is starting
+  #deaf = false; // true once decoding has failed and the visitor has been notified
 
   /**
-   * @param scene whose manifest has come; `gone` aborts when it is shown no more.
-   * @throws ManifestError if what the manifest says of sound is wrong.
+   * Play the sound of a scene.
+   *
+   * @param scene with a manifest; `gone` aborts when it is removed.
+   * @throws ManifestError if the manifest's entry for sound is wrong.
    */
   constructor(
     readonly player: Heard,
@@ -80,7 +83,7 @@ export class SceneSound {
     this.#update();
   }
 
-  /** Look at the player, and do as it does. */
+  /** Follow the state of the player. */
   #update(): void {
     const { playback } = this.scene;
     const { muted, volume } = this.player;
@@ -93,7 +96,7 @@ export class SceneSound {
     }
     const context = this.#wake();
     if (!context || !this.#volume) return;
-    const loud = Math.min(1, Math.max(0, volume || 0)) ** 2; // as loudness is heard
+    const loud = Math.min(1, Math.max(0, volume || 0)) ** 2; // perceived loudness
     this.#volume.gain.setTargetAtTime(loud, context.currentTime, FADE);
     const wanted = new Set<SoundPiece>();
     for (let ahead = 0; ahead <= AHEAD; ahead += 0.4 / clock.rate) {
@@ -103,14 +106,14 @@ export class SceneSound {
     this.#fetch(context, wanted);
     if (context.state !== "running" || clock.ticked === null) return;
     const { performanceTime: heard, contextTime } = outputTime(context);
-    const shown = clock.ticked + DISPLAY - heard / 1000; // when the picture at the playhead is seen, after what is heard now
+    const shown = clock.ticked + DISPLAY - heard / 1000; // the picture's time relative to the sound's
     const line = this.#alignment.follow({ zero: contextTime + shown - clock.time / clock.rate, rate: clock.rate });
     const [first] = wanted;
     if (line !== this.#run?.line && first !== undefined) this.#begin(context, this.#volume, line, first);
     for (const piece of wanted) this.#hear(context, piece);
   }
 
-  /** What the manifest lists; more of it may have come since, with more sound. */
+  /** The listed pieces; a growing manifest may have further ones. */
   #list(): AudioEntry {
     const { audio, room } = this.player.manifest ?? {};
     if (audio === this.#listed) return this.#audio;
@@ -118,18 +121,18 @@ export class SceneSound {
     return readAudio(audio, room !== undefined);
   }
 
-  /** The device, running or about to; null while the browser would not let it. */
+  /** The device, running or starting; null while the browser does not allow it. */
   #wake(): AudioContext | null {
     clearTimeout(this.#rest);
     this.#rest = undefined;
     if (!this.#context) {
       if (navigator.userActivation?.hasBeenActive === false) {
-        this.player.muted = true; // until the visitor asks for sound
+        this.player.muted = true; // muted until the visitor requests sound
         return null;
       }
       const context = newContext(this.#audio.sampleRate);
       this.#volume = context.createGain();
-      this.#volume.gain.value = 0; // until the first look at how loud it should be
+      this.#volume.gain.value = 0; // silent until the first update of the loudness
       this.#volume.connect(context.destination);
       this.#context = context;
     }
@@ -150,7 +153,7 @@ export class SceneSound {
     context.resume().then(woken, () => {});
   }
 
-  /** Be silent; the device may rest soon. */
+  /** Stop the sound; the device may rest soon. */
   #hush(): void {
     this.#end();
     this.#alignment.forget();
@@ -180,7 +183,7 @@ export class SceneSound {
     for (const node of run.pieces.values()) node.stop(currentTime + FADE);
   }
 
-  /** Hand a piece to the device, if it is decoded, soon to be heard, and not there yet. */
+  /** Schedule a piece, if it is decoded, due soon, and not scheduled yet. */
   #hear(context: AudioContext, piece: SoundPiece): void {
     const { start, end } = piece;
     const [run, buffer] = [this.#run, this.#buffers.get(start)];
@@ -197,7 +200,7 @@ export class SceneSound {
     run.pieces.set(start, node);
   }
 
-  /** Bring and decode pieces, and let go of those that have long been heard. */
+  /** Fetch and decode pieces, and drop those long past. */
   #fetch(context: AudioContext, wanted: ReadonlySet<SoundPiece>): void {
     const starts = new Set<number>();
     for (const piece of wanted) {
@@ -218,7 +221,7 @@ export class SceneSound {
       bytes = await this.scene.source.fetchAgain(id, this.gone, "default");
     } catch (error) {
       if (this.gone.aborted) return;
-      // biome-ignore lint/suspicious/noConsole: the scene goes on, without sound for a second
+      // biome-ignore lint/suspicious/noConsole: the scene continues, without sound for a second
       console.warn(`sound ${id}: ${error instanceof Error ? error.message : error}`);
       setTimeout(() => this.#buffers.delete(start), RETRY);
       return;
@@ -244,13 +247,13 @@ export class SceneSound {
     this.#end();
     const context = this.#context;
     this.#context = null;
-    setTimeout(() => void context?.close().catch(() => {}), 100); // it fades out
+    setTimeout(() => void context?.close().catch(() => {}), 100); // end of the fade
   }
 }
 
 /**
- * A piece of so many seconds as it sounds at a rate, at the pitch that it has. What is decoded ends with the piece; before it there
- * is what the decoder needed to begin.
+ * A piece of so many seconds at a rate, with its own pitch. The decoded sound ends with the piece; before it there is
+ * the decoder's lead-in.
  */
 function atRate(context: AudioContext, decoded: AudioBuffer, seconds: number, rate: number): AudioBuffer {
   if (rate === 1) return decoded;

@@ -1,19 +1,19 @@
 /**
- * Sound made longer or shorter at the pitch that it has (WSOLA: Verhelst & Roelands, ICASSP 1993): short frames are laid over each
- * other at another distance, each moved by a few milliseconds to where it continues the one before best.
+ * Time stretching of sound at constant pitch (WSOLA: Verhelst & Roelands, ICASSP 1993): short frames overlap at another
+ * distance, each shifted by a few milliseconds to continue its predecessor best.
  */
 
-/** Of a frame from its beginning to its middle, seconds; two of a voice's lowest periods. */
+/** Half of a frame, seconds; two of a voice's lowest periods. */
 const HALF = 0.016;
-/** A frame is looked for so far around its place, seconds. */
+/** Largest shift of a frame, seconds. */
 const REACH = 0.008;
-/** Samples between two looks, and between those that are compared, in the first round. */
+/** Samples between two candidates, and between two compared samples, in the first round. */
 const COARSE = 6;
 
 /**
  * The samples of every channel from `begin` on, which must be in all of them, in 1 / `rate` of the time.
  *
- * At both ends frames lie where they belong, so that what comes before and after, stretched by itself, joins.
+ * Frames at both ends have no shift, so that adjacent parts, stretched separately, join.
  */
 export function stretched(
   channels: readonly Float32Array[],
@@ -28,7 +28,7 @@ export function stretched(
   const half = Math.ceil(hop);
   const mixed = channels.length === 1 ? channels[0] : channels[0].map((sample, i) => sample + channels[1][i]);
   const made = channels.map(() => new Float32Array(length));
-  let middle = begin; // of the frame before, where it was taken from
+  let middle = begin; // source of the previous frame
   for (let frame = 0; frame <= frames; frame++) {
     const there = Math.round(frame * hop);
     const place = Math.min(end, Math.round(begin + frame * hop * rate));
@@ -41,7 +41,9 @@ export function stretched(
   return made;
 }
 
-/** Add a frame with a weight that rises to 1 in its middle and falls again; those of two neighbours add up to 1. */
+/**
+ * Add a frame with a weight that rises to 1 in its middle and falls again; the weights of two neighbours add up to 1.
+ */
 function lay(into: Float32Array, from: Float32Array, there: number, middle: number, hop: number): void {
   const [first, last] = [Math.max(-Math.floor(hop), -there), Math.min(Math.floor(hop), into.length - 1 - there)];
   for (let i = first; i <= last; i++) {
@@ -49,13 +51,13 @@ function lay(into: Float32Array, from: Float32Array, there: number, middle: numb
   }
 }
 
-/** By how many samples, within `reach`, what begins at `place` should move to be most like what begins at `like`. */
+/** The shift in samples, within `reach`, that makes the sound at `place` most similar to that at `like`. */
 function likest(samples: Float32Array, like: number, place: number, count: number, reach: number): number {
   const rough = likestOf(samples, like, place, count, -reach, reach, COARSE);
   return likestOf(samples, like, place, count, Math.max(-reach, rough - COARSE), Math.min(reach, rough + COARSE), 1);
 }
 
-/** The same among the moves from `first` to `last`, every so many of which are looked at, by as many times fewer samples. */
+/** The same for shifts from `first` to `last` in steps, with as many times fewer samples. */
 function likestOf(
   samples: Float32Array,
   like: number,

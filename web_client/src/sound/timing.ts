@@ -1,36 +1,36 @@
-/** When pieces of sound are to be heard: the scene's time on the clock of the sound, and pieces on that. Plays nothing. */
+/** Times of pieces of sound: the scene's time on the clock of the sound, and the parts due on it. It plays nothing. */
 
 import type { SoundPiece } from "../codec/audio_entry";
 
-/** The scene's time s is heard at `zero + s / rate`, seconds of the sound's clock. */
+/** A line: the scene's time s is due at `zero + s / rate`, seconds of the sound's clock. */
 export interface Line {
   readonly zero: number;
   /** Scene seconds per second. */
   readonly rate: number;
 }
 
-/** A part of a piece: scene seconds `from` to `until`, to be heard from `when` on, seconds of the sound's clock. */
+/** A part of a piece: scene seconds `from` to `until`, due from `when` on, seconds of the sound's clock. */
 export interface Part {
   readonly when: number;
   readonly from: number;
   readonly until: number;
 }
 
-/** Sound that is farther from its picture is put right at once, seconds: a seek, a new beginning, a device that stuttered. */
+/**
+ * Offset from the picture that is corrected at once, seconds: after a seek, a new start, or a stutter of the device.
+ */
 const FAR = 0.06;
-/** Sound that stays so far from its picture is put right, too; less is noise of the clocks, and below what anybody hears. */
+/** Lasting offset from the picture that is corrected, seconds; less is noise of the clocks, and inaudible. */
 const NEAR = 0.012;
-/** Weight of a frame in the mean of what sound and picture are apart. */
+/** Weight of a frame in the mean offset between sound and picture. */
 const WEIGHT = 0.1;
 
-/** Keeps sound in step without touching it for every millisecond: each correction is a gap, if one of a few milliseconds. */
+/** Synchronisation without corrections of every millisecond: each correction is a gap, if one of a few milliseconds. */
 export class Alignment {
   #line: Line | null = null;
-  #apart = 0; // seconds, a mean
+  #apart = 0; // mean offset, seconds
 
-  /**
-   * The line by which pieces are to be heard, given by which they should be, now; the same object until it changes.
-   */
+  /** The line for scheduling, given the ideal one now; the same object until it changes. */
   follow(wanted: Line): Line {
     const line = this.#line;
     const apart = line ? wanted.zero - line.zero : 0;
@@ -40,7 +40,7 @@ export class Alignment {
     return this.#take({ zero: line.zero + this.#apart, rate: line.rate });
   }
 
-  /** Begin anew with the next line. */
+  /** Start again with the next line. */
   forget(): void {
     this.#line = null;
   }
@@ -52,7 +52,7 @@ export class Alignment {
   }
 }
 
-/** What of a piece can still be heard from `now` on, seconds of the sound's clock; null for nothing. */
+/** The part of a piece that is still due at `now`, seconds of the sound's clock; null if none is. */
 export function partToHear(pieces: readonly SoundPiece[], index: number, line: Line, now: number): Part | null {
   const { start, end } = pieces[index];
   const until = Math.min(end, pieces[index + 1]?.start ?? end);
@@ -60,9 +60,9 @@ export function partToHear(pieces: readonly SoundPiece[], index: number, line: L
   return from < until ? { when: line.zero + from / line.rate, from, until } : null;
 }
 
-/** The piece that sounds at a time, or the next one; -1 after the last. */
+/** The piece at a time, or the next one; -1 after the last. */
 export function pieceAt(pieces: readonly SoundPiece[], time: number): number {
-  let [low, high] = [0, pieces.length]; // of those that are over, there are at least `low`, and fewer than all up to `high`
+  let [low, high] = [0, pieces.length]; // `low` pieces or more are over, and fewer than all up to `high`
   while (low < high) {
     const middle = (low + high) >> 1;
     if (pieces[middle].end > time) high = middle;

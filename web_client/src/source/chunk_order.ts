@@ -1,16 +1,15 @@
-/** Which chunks a playhead needs first (docs/stream.md, "Order"), for a source that asks for each by itself. */
+/** The order in which a playhead needs chunks (docs/stream.md, "Order"), for sources that request each chunk. */
 
-import { type Layered, layersOf } from "../codec/layers";
-import { chunksOf, sliceAt } from "../codec/slices";
+import { chunksOf, type Layered, layersOf, sliceAt } from "../codec/manifest_chunks";
 import type { ChunkEntry, Manifest } from "../codec/types";
 import type { Playhead } from "./scene_source";
 
-/** Seconds of playing for which base layers and then refinements come, in turn. */
+/** Seconds of playing ahead; within each stretch, base layers come before refinements. */
 const NEAR = 8;
 const AHEAD = [3, NEAR, Number.POSITIVE_INFINITY];
-/** Seconds of playing for which pages of the manifest come before what they list. */
+/** Seconds of playing ahead for which pages of the manifest come before their chunks. */
 const PAGES_AHEAD = 12;
-/** About as many bytes of a refinement are on their way when it is of use: it comes before its slice is over, or waits. */
+/** Bytes that are about in flight before a refinement: one that cannot arrive before its slice is over has to wait. */
 const UNDER_WAY = 1 << 16;
 
 export class ChunkOrder {
@@ -21,7 +20,7 @@ export class ChunkOrder {
     this.chunks = layersOf(manifest);
   }
 
-  /** The chunks without which there is no picture at a time: the base layers of what stands and of the slice shown then. */
+  /** The chunks that a picture at a time requires: the base layers of the statics and of the slice shown then. */
   picture(time: number): ChunkEntry[] {
     const { static: stills, slices } = this.manifest;
     const slice = slices[sliceAt(slices, time)];
@@ -29,10 +28,10 @@ export class ChunkOrder {
   }
 
   /**
-   * The chunks that are not here, in the order in which they should come.
+   * The missing chunks, in order of need.
    *
-   * @param bytesPerSecond what the line brings; 0 if that is not known.
-   * @param here whether a chunk is here, or cannot be had.
+   * @param bytesPerSecond rate of the line; 0 if unknown.
+   * @param here whether a chunk is there or given up.
    */
   *missing({ time: at, rate }: Playhead, bytesPerSecond: number, here: (id: string) => boolean): Generator<ChunkEntry> {
     const { static: stills, slices, start, end } = this.manifest;
@@ -59,7 +58,7 @@ export class ChunkOrder {
     }
   }
 
-  /** Those of the chunks that are of the base, or those that are not. */
+  /** The chunks of the base, or the others. */
   #of(ids: readonly string[], base: boolean): ChunkEntry[] {
     return ids.flatMap((id) => ((this.#layer(id) === 0) === base ? (this.chunks.get(id)?.chunk ?? []) : []));
   }

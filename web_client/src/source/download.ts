@@ -1,10 +1,10 @@
-/** A file over HTTP, given up when nothing more of it comes. */
+/** Downloads over HTTP, and the delay before another attempt. */
 
 import { ManifestError } from "../codec/errors";
 
-const SILENCE = 10_000; // ms without a byte, after which a download is given up
+const SILENCE = 10_000; // ms without a byte before a download is given up
 
-/** The server has answered, but not with the file. */
+/** Error for an answer other than the file. */
 export class StatusError extends Error {
   constructor(
     readonly status: number,
@@ -13,14 +13,14 @@ export class StatusError extends Error {
     super(`${url}: the server answered ${status}`);
   }
 
-  /** Whether the server says that there is no such file. */
+  /** Whether the server has no such file. */
   get missing(): boolean {
     return this.status === 404 || this.status === 410;
   }
 }
 
 export interface Download {
-  /** Where the file was found, after redirects. */
+  /** Address of the file, after redirects. */
   readonly url: string;
   readonly bytes: Uint8Array<ArrayBuffer>;
 }
@@ -28,8 +28,8 @@ export interface Download {
 /**
  * Fetch a file, of `length` bytes if that is known.
  *
- * @throws StatusError if the server answers anything but 200, ManifestError if with another file, and another error if it
- *   cannot be reached or falls silent.
+ * @throws StatusError for any answer but 200, ManifestError for a file of another length, and another error if the
+ *   server cannot be reached or falls silent.
  */
 export async function download(
   url: string,
@@ -71,3 +71,11 @@ function joined(parts: readonly Uint8Array[]): Uint8Array<ArrayBuffer> {
   }
   return bytes;
 }
+
+/** Longest wait before the first retry, ms; doubled at each failure. */
+const FIRST_RETRY = 500;
+const LAST_RETRY = 8000; // ms
+
+/** Milliseconds, random in a range, so that not all viewers of a restarted server return at once. */
+export const retryDelay = (failures: number): number =>
+  Math.min(LAST_RETRY, FIRST_RETRY * 2 ** failures) * Math.random();

@@ -1,7 +1,7 @@
-/** A chunk over HTTP. */
+/** Chunks over HTTP. */
 
 /**
- * The bytes of a chunk; unless told else past every cache, in which a damaged copy may lie.
+ * The bytes of a chunk; by default not from caches, which may hold a damaged copy.
  *
  * @throws Error with one line for people
  */
@@ -20,7 +20,10 @@ export async function fetchChunk(
   throw new Error(`The server answered ${response.status}: ${response.statusText}`);
 }
 
-/** The address of a chunk, or page, of a scene whose stream is `ws://host/v1/scenes/{scene}/stream`, with the link that opens both. */
+/**
+ * The address of a chunk, or page, of the scene with the stream `ws://host/v1/scenes/{scene}/stream`, with the stream's
+ * link.
+ */
 export function chunkUrl(stream: string, id: string): string {
   const { search } = new URL(stream);
   return new URL(`chunks/${id}${search}`, stream).href.replace(/^ws/, "http");

@@ -1,17 +1,18 @@
-/** A served scene by HTTP alone: whether it can be had so, and from where. Loaded when its stream does not come about. */
+/** HTTP in place of a stream: its availability, and a source without WebSockets. Loaded when a stream fails. */
 
-import type { OpenSource, SourceFailure } from "./scene_source";
+import { GZIP, type OpenSource, type SourceFailure } from "./scene_source";
 
 const PATIENCE = 10_000; // ms
-/** The first byte of an index, which a page that some proxy shows in its place has not. */
-const GZIP = 0x1f;
 const REMARK =
   "hgs: this site does not pass WebSockets; the scene is loaded over HTTP instead. See docs/deploy.md of the server.";
 
-/** The scene can be had over HTTP; it can by nobody, or not by this visitor; or nobody knows, as the server does not answer. */
+/**
+ * Availability of a scene over HTTP: available; not available to anybody or to this visitor; or unknown, for want of an
+ * answer.
+ */
 export type HttpAnswer = "there" | "away" | Extract<SourceFailure, "no-scene" | "no-access">;
 
-/** The index of the scene whose stream is `ws://host/v1/scenes/{scene}/stream`. */
+/** The index of the scene with the stream `ws://host/v1/scenes/{scene}/stream`. */
 function addressOf(stream: string): URL {
   return new URL("index.hgs", stream.replace(/^ws/, "http"));
 }
@@ -25,21 +26,24 @@ export async function askOverHttp(stream: string, signal: AbortSignal): Promise<
       cache: "no-cache",
     });
     if (response.status === 200) {
+      // A proxy's own page in place of the index begins with another byte.
       return new Uint8Array(await response.arrayBuffer())[0] === GZIP ? "there" : "away";
     }
     if (response.status === 401 || response.status === 403) return "no-access";
-    const { code } = await response.json(); // a server's own answer: a proxy's page is none
+    const { code } = await response.json(); // fails for a proxy's page: only the server answers in JSON
     return code === "scene-not-found" ? "no-scene" : "away";
   } catch {
     return "away";
   }
 }
 
-/** The scene of a stream as `openFiles` brings it, by the address of its index and the query that opens it. */
+/**
+ * The source for a stream's scene from `openFiles`, given the address of its index and the query that grants access.
+ */
 export function openInstead(stream: string, openFiles: (index: string, query: string) => OpenSource): OpenSource {
-  // biome-ignore lint/suspicious/noConsole: for who runs the site; a visitor misses nothing
+  // biome-ignore lint/suspicious/noConsole: for the site's operator; visitors miss nothing
   console.info(REMARK);
-  // Also when all is here and the source is closed: it stays worth knowing.
+  // The state stays `over-http` even when the source is closed.
   const open = openFiles(addressOf(stream).href, new URL(stream).search);
   return (events, playhead) =>
     open(

@@ -1,44 +1,43 @@
 /**
- * A scene in a folder of any web server (docs/static.md): fetches the manifest, and then the chunks that the playhead needs
- * first, a few at a time.
+ * The source for a scene in a folder of any web server (docs/static.md): fetches the manifest, and then chunks in order
+ * of need, a few at a time.
  */
 
 import { ManifestError } from "../codec/errors";
 import { parseManifest } from "../codec/manifest";
 import type { ChunkEntry } from "../codec/types";
 import { ChunkOrder } from "./chunk_order";
-import { download, StatusError } from "./download";
-import { retryDelay } from "./retry_delay";
-import type { Playhead, SceneManifest, SceneSource, SourceEvents } from "./scene_source";
+import { download, retryDelay, StatusError } from "./download";
+import { GZIP, type Playhead, type SceneManifest, type SceneSource, type SourceEvents } from "./scene_source";
 import { Throughput } from "./throughput";
 
-/** Downloads at once: enough to fill a long line, and few enough to be of use after a seek. */
+/** Parallel downloads: enough to fill a long line, and few enough to turn around quickly after a seek. */
 const PARALLEL = 4;
-/** Complete chunks that may wait for their decoding before no more are fetched, bytes. */
+/** Bytes of complete chunks waiting for the decoder before downloads pause. */
 const UNDECODED = 16 << 20;
-/** How often a server may answer something else in place of a chunk before it is shown without. */
+/** Wrong answers in place of a chunk before the scene is shown without it. */
 const MOST_REFUSALS = 3;
-
-const GZIP = 0x1f; // the first byte of an index
 
 export class HttpSource implements SceneSource {
   readonly #abort = new AbortController();
   readonly #fetching = new Map<string, AbortController>();
-  readonly #settled = new Set<string>(); // chunks that have come, or cannot be had
+  readonly #settled = new Set<string>(); // chunks that were received or given up
   readonly #refusals = new Map<string, number>();
   readonly #throughput = new Throughput();
-  #url: string; // of the index or manifest
+  #url: string; // index or manifest
   #scene: SceneManifest | null = null;
-  #order: ChunkOrder | null = null; // from the manifest on
+  #order: ChunkOrder | null = null; // null until the manifest has arrived
   #playhead: Playhead;
   #undecoded = 0; // bytes
-  #failures = 0; // since something has come
-  #retry: ReturnType<typeof setTimeout> | undefined; // while nothing is asked for
+  #failures = 0; // failures since the last success
+  #retry: ReturnType<typeof setTimeout> | undefined; // set while nothing is requested
 
   /**
+   * Open a scene.
+   *
    * @param url of the index or manifest.
-   * @param hidden whether nobody sees the page: then nothing more is fetched until `wake`.
-   * @param query of every address, such as `?link=…`, where the server asks for one.
+   * @param hidden whether the page is hidden: then nothing more is fetched until `wake`.
+   * @param query for every address, such as `?link=…`, if the server requires one.
    */
   constructor(
     url: string,
@@ -63,7 +62,7 @@ export class HttpSource implements SceneSource {
     this.#fetchMore();
   }
 
-  /** What is under way and not needed soon gives way to what is. */
+  /** Downloads that are not needed soon make room for needed ones. */
   seek(time: number): void {
     this.#playhead = { ...this.#playhead, time };
     const needed = new Set(this.#next().map((chunk) => chunk.id));
@@ -150,8 +149,8 @@ export class HttpSource implements SceneSource {
   }
 
   /**
-   * The chunks to be under way now, those first that are needed first: what makes a picture has the line for itself, and
-   * then a few share it.
+   * The chunks to download now, in order of need: the chunks of the first picture have the line for themselves, later
+   * ones share it.
    */
   #next(): ChunkEntry[] {
     const order = this.#order;
@@ -171,7 +170,7 @@ export class HttpSource implements SceneSource {
     const abort = new AbortController();
     this.#fetching.set(id, abort);
     try {
-      const cache = this.#refusals.has(id) ? "reload" : "default"; // what was wrong may lie in a cache
+      const cache = this.#refusals.has(id) ? "reload" : "default"; // the cached copy may be the wrong one
       const { bytes } = await download(this.#chunkUrl(id), abort.signal, cache, chunk.bytes);
       if (abort.signal.aborted) return;
       this.#throughput.count(bytes.length, performance.now());
@@ -179,7 +178,7 @@ export class HttpSource implements SceneSource {
       if (this.#failures > 0) this.events.state("open");
       this.#failures = 0;
       if (page) {
-        this.become(this.#scene as SceneManifest); // which names it no more
+        this.become(this.#scene as SceneManifest); // the manifest no longer lists it
         return;
       }
       this.#settled.add(id);
@@ -194,7 +193,7 @@ export class HttpSource implements SceneSource {
     }
   }
 
-  /** End where the server asks for a key, or for another one than it was given. */
+  /** End if the server requires a key, or another key than the given one. */
   #locked(error: unknown): boolean {
     if (!(error instanceof StatusError && error.status === 401)) return false;
     this.close();
@@ -205,7 +204,7 @@ export class HttpSource implements SceneSource {
   #failed({ id }: ChunkEntry, error: unknown): void {
     if (this.#locked(error)) return;
     const missing = error instanceof StatusError && error.missing;
-    const refused = error instanceof StatusError || error instanceof ManifestError; // else nothing has answered
+    const refused = error instanceof StatusError || error instanceof ManifestError; // otherwise there was no answer
     const refusals = (this.#refusals.get(id) ?? 0) + 1;
     if (refused) this.#refusals.set(id, refusals);
     if (missing || (refused && refusals >= MOST_REFUSALS)) {
@@ -234,7 +233,7 @@ export class HttpSource implements SceneSource {
 }
 
 /**
- * Read a manifest, at once, or an index, for which there is a module of its own.
+ * Read a manifest, at once, or an index, with a module of its own.
  *
  * @throws SyntaxError or ManifestError, or rejects with one or with another error, if it cannot be read
  */

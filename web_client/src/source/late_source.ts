@@ -1,11 +1,12 @@
-/** A source whose module is loaded when a scene needs it, so that a page with scenes of other kinds goes without. */
+/** A source with a module that is loaded on demand, so that pages with other scenes do without it. */
 
 import type { OpenSource, SceneSource } from "./scene_source";
 
 /**
- * Until the source has brought a manifest nobody knows a time to seek, and there are no chunks.
+ * Open a source when its module has arrived. Until the manifest is there, no seek time is known and there are no
+ * chunks.
  *
- * @param load the module; what it rejects with is told as the failure `not-loaded`.
+ * @param load the module; a rejection becomes the failure `not-loaded`.
  */
 export function openLate(load: () => Promise<OpenSource>): OpenSource {
   return (events, playhead) => {

@@ -1,23 +1,24 @@
-/** Follows a scene that grows in a folder of a web server: asks for its index or manifest again and again. */
+/** Polling of the index or manifest of a growing scene in a folder of a web server. */
 
 import { download } from "./download";
 import { continues, readIndex } from "./paged_manifest";
 import type { SceneManifest } from "./scene_source";
 
-/** Between two looks, ms; doubled after every one that fails. */
+/** Pause between two requests, ms; doubled after each failure. */
 const PAUSE = 2000;
 const LONGEST_PAUSE = 30_000;
 
-/** A source of a scene that grows. */
+/** A source of a growing scene. */
 interface Follower {
   /** Take a later version of the manifest. */
   become(found: SceneManifest): void;
-  /** Whether nobody sees the page. */
+  /** Whether the page is hidden. */
   hidden(): boolean;
 }
 
 /**
- * Give a source every later version of its manifest, until the scene is complete; not while nobody sees the page.
+ * Pass every later version of the manifest to a source, until the scene is complete; nothing is requested while the
+ * page is hidden.
  *
  * @param url of the index or manifest.
  */

@@ -1,9 +1,13 @@
-/** Messages in the order in which they came, also where the reading of one takes its time. */
+/** Messages in order of arrival, even if reading one of them is asynchronous. */
 
 export class MessageOrder<Message> {
-  #held: Message[] | null = null; // what has come while something is read
+  #held: Message[] | null = null; // messages that arrived during an asynchronous read
 
-  /** @param failed is told what reading has thrown, or rejected with; nothing is received any more then. */
+  /**
+   * Deliver messages in order.
+   *
+   * @param failed is called with the error of a read; nothing is delivered afterwards.
+   */
   constructor(
     readonly receive: (message: Message) => void,
     readonly failed: (error: unknown) => void,
@@ -15,7 +19,7 @@ export class MessageOrder<Message> {
     else this.receive(message);
   }
 
-  /** Read something, and take what it is before any message that comes from now on; at once where nothing is waited for. */
+  /** Read a message, and take the result before any later message; synchronously if the read is. */
   read<Value>(read: () => Value | Promise<Value>, take: (value: Value) => void): void {
     let value: Value | Promise<Value>;
     try {

@@ -1,22 +1,21 @@
-/** Which source brings the scene of an address. */
+/** The choice of a source by a scene's address. */
 
 import { HttpSource } from "./http_source";
 import { openLate } from "./late_source";
 import type { OpenSource } from "./scene_source";
 
-/** A scene on a server of HGS: its page, or what the API has of it. */
+/** A scene on a server of HGS: its page or its API address. */
 const SERVED = /^(.*)\/(?:view|v1\/scenes)\/([A-Za-z0-9_-][A-Za-z0-9._-]{0,63})(?:\/|\/stream)?$/;
 
 /** A scene in a folder of any web server: its index or manifest, or the folder itself. */
 const FOLDER = /\/(?:[^/]*\.(?:json|hgs))?$/;
 
 /**
- * Say how to open the scene of an address. On a web server: an index (`….hgs`), a manifest (`….json`) or
- * their folder (`…/`). On a server of HGS:
- * the scene's page `/view/{scene}`, its `/v1/scenes/{scene}`, or its stream itself (`ws:` or `wss:`). Relative addresses are
- * those of the page.
+ * Choose the source for an address. On a web server: an index (`….hgs`), a manifest (`….json`) or their folder (`…/`).
+ * On a server of HGS: the scene's page `/view/{scene}`, its `/v1/scenes/{scene}`, or its stream (`ws:` or `wss:`).
+ * Relative addresses are relative to the page.
  *
- * @throws Error with one line for people if no scene can be at such an address.
+ * @throws Error with one line for people if the address is of none of these kinds.
  */
 export function openSource(src: string, base: string = document.baseURI): OpenSource {
   const url = parse(src, base);
@@ -33,14 +32,18 @@ export function openSource(src: string, base: string = document.baseURI): OpenSo
   return openStream(streamUrl(served[2], { protocol: url.protocol, host: url.host + served[1] }) + url.search);
 }
 
-/** @param query of every address, such as `?link=…` */
+/**
+ * Open a scene of files.
+ *
+ * @param query for every address, such as `?link=…`
+ */
 export function openFiles(manifest: string, query = ""): OpenSource {
   return (events, playhead) => new HttpSource(manifest, events, playhead, undefined, query);
 }
 
 function openStream(stream: string): OpenSource {
   return openLate(async () => {
-    const { openServed } = await import("./served_source"); // a folder needs none of it
+    const { openServed } = await import("./served_source"); // not needed for folders
     return openServed(stream, openFiles);
   });
 }

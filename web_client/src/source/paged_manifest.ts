@@ -1,14 +1,13 @@
-/** The manifest of a long scene: an index, and those of its pages that have come (docs/format.md, "Index and pages"). */
+/** The manifest of a long scene: an index and its pages received so far (docs/format.md, "Index and pages"). */
 
 import { ManifestError } from "../codec/errors";
 import { Field, parseManifest } from "../codec/manifest";
 import { gunzip, type Page, type PieceEntry, readPage } from "../codec/page";
 import type { Box, Manifest, SegmentEntry, SliceEntry } from "../codec/types";
-import type { SceneManifest } from "./scene_source";
+import { GZIP, type SceneManifest } from "./scene_source";
 
 const VERSION = 1;
-const GZIP = 0x1f; // the first byte
-/** The box of what has no splats. */
+/** The box of an empty set of splats. */
 const NOWHERE: Box = { min: [Infinity, Infinity, Infinity], max: [-Infinity, -Infinity, -Infinity] };
 
 interface Row extends SegmentEntry {
@@ -18,9 +17,10 @@ interface Row extends SegmentEntry {
 }
 
 /**
- * Read an index, of pages or of a short scene, which is its manifest; at once where something has undone its compression.
+ * Read an index, of pages or of a short scene, which is its manifest; synchronously if a proxy has undone its
+ * compression.
  *
- * @param before what there was of an earlier version: its pages need not come again.
+ * @param before an earlier version: its pages need not be sent again.
  * @throws SyntaxError or ManifestError, or rejects with one, if it cannot be read
  */
 export function readIndex(
@@ -38,7 +38,7 @@ export function continues(later: SceneManifest, earlier: SceneManifest): boolean
   if (before.live === null || (after.live !== null && after.live <= before.live)) return false;
   const begins = (a: readonly unknown[], b: readonly unknown[]) =>
     JSON.stringify(a.slice(0, b.length)) === JSON.stringify(b);
-  const full = earlier.places?.slice(0, -1); // the last page may have become longer
+  const full = earlier.places?.slice(0, -1); // the last page may have grown
   return (
     after.end >= before.end &&
     after.static.length === before.static.length &&
@@ -53,10 +53,16 @@ export class PagedManifest implements SceneManifest {
   manifest: Manifest;
   readonly #header: Manifest;
   readonly #rows: readonly Row[];
-  /** Pages by their start. One of another id is an earlier version, which stands for the beginning of the later one. */
+  /**
+   * Pages by their start. A page with another id is an earlier version, and stands for the beginning of the later one.
+   */
   readonly #pages: Map<number, { readonly id: string; readonly page: Page }>;
 
-  /** @throws ManifestError if a field of the index is wrong. */
+  /**
+   * Start from an index.
+   *
+   * @throws ManifestError if a field of the index is wrong.
+   */
   constructor(index: unknown, before?: SceneManifest) {
     const root = new Field("index", index);
     root.get("version").whole(VERSION, VERSION);
@@ -91,7 +97,7 @@ export class PagedManifest implements SceneManifest {
     return true;
   }
 
-  /** Of a scene that grows the last page may have become another one. */
+  /** Without the last page of a growing scene, which may change. */
   listed(): [string, string[]][] {
     const rows = this.manifest.live === null ? this.#rows : this.#rows.slice(0, -1);
     return rows.flatMap((row) => {
@@ -140,7 +146,7 @@ async function unpacked(bytes: Uint8Array<ArrayBuffer>): Promise<ArrayBuffer> {
   }
 }
 
-/** What the index says of the whole scene; the manifest has a segment and a slice in which nothing moves. */
+/** The facts of the whole scene in an index, as a manifest with one empty segment and slice. */
 function readHeader(root: Field): Manifest {
   const document = root.get("manifest").object();
   const totals = root.get("manifest").get("totals").object();

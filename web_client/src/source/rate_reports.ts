@@ -1,8 +1,8 @@
-/** When to tell a server how fast the line is: what would come too late can then be left for later. */
+/** Reports of the line's rate to the server, which then skips chunks that would arrive too late. */
 
 import { Throughput } from "./throughput";
 
-/** It is told so often at most, ms, and when it has changed by so much. */
+/** Shortest pause between reports, ms, and smallest change. */
 const TELL = 1000;
 const CHANGE = 1.2;
 
@@ -11,10 +11,14 @@ export class RateReports {
   #at = Number.NEGATIVE_INFINITY; // ms
   #rate = 0;
 
-  /** @param tell is called when the server should be told `rate`. */
+  /**
+   * Measure the line.
+   *
+   * @param tell is called when `rate` should be reported to the server.
+   */
   constructor(readonly tell: () => void) {}
 
-  /** What is to be told, bytes per second; 0 while that is not known. */
+  /** The rate to report, bytes per second; 0 while unknown. */
   get rate(): number {
     return this.#rate;
   }
@@ -30,7 +34,7 @@ export class RateReports {
     this.tell();
   }
 
-  /** Another connection, another server: what was told counts no more. */
+  /** Forget the reported rate, for a new connection. */
   forget(): void {
     this.#rate = 0;
   }

@@ -1,22 +1,22 @@
-/** The connection of a stream: another one in place of each that broke or fell silent, unless the server would refuse again. */
+/** The connection of a stream, replaced whenever it breaks or falls silent, unless the server would refuse again. */
 
 import { Connection, type Socket } from "../protocol/connection";
 import type { ClientMessage } from "../protocol/messages";
-import { retryDelay } from "./retry_delay";
+import { retryDelay } from "./download";
 
 const MOST_PATIENCE = 8;
-/** Closed with one of these, or with 4000 and above, the server would refuse again. */
+/** Close codes after which the server would refuse again; those from 4000 on are final, too. */
 const FINAL_CODES: ReadonlySet<number> = new Set([1003, 1009]);
 const HELLO_TIMEOUT = 4008;
 
 export interface ReconnectingEvents {
   connecting(): void;
-  /** A connection is there: say hello with so much credit. */
+  /** A connection is open: send the hello with so much credit. */
   open(credits: number): void;
   message(bytes: Uint8Array<ArrayBuffer>): void;
-  /** It is gone, and another one comes later; `silent` if it has not ended, but nothing has come. */
+  /** The connection is lost, and will be replaced; `silent` if it did not end, but no message arrived. */
   retrying(silent: boolean): void;
-  /** It is gone for good, closed by the server with this code. */
+  /** The connection is closed for good, by the server with this code. */
   refused(code: number): void;
 }
 
@@ -24,7 +24,7 @@ export class ReconnectingSocket {
   #connection: Connection | null = null;
   #failures = 0;
   #patience = 1; // doubled by every silence
-  #retry: ReturnType<typeof setTimeout> | undefined; // while there is no connection
+  #retry: ReturnType<typeof setTimeout> | undefined; // set while there is no connection
 
   constructor(
     readonly connect: () => Socket,
@@ -33,39 +33,39 @@ export class ReconnectingSocket {
     this.#connect();
   }
 
-  /** Send, if it is open. */
+  /** Send, if the socket is open. */
   send(message: ClientMessage): void {
     this.#connection?.send(message);
   }
 
-  /** Let the server send as much as there is room for. */
+  /** Let the server send as much as the window has room for. */
   grant(): void {
     this.#connection?.grant();
   }
 
-  /** A ping has been answered. */
+  /** The answer to a ping has arrived. */
   answered(id: number): void {
     this.#connection?.answered(id);
   }
 
-  /** Nothing is waited for any more: silence is right. */
+  /** Expect no further data: silence is normal now. */
   rest(): void {
     this.#connection?.rest();
   }
 
-  /** It brings what it should: the next retry comes soon again. */
+  /** The connection works: the next retry is soon again. */
   succeeded(): void {
     this.#failures = 0;
     this.#patience = 1;
   }
 
-  /** The network or the page is back: connect now, or find out whether the connection has survived. */
+  /** The network or the page is back: connect now, or check that the connection has survived. */
   wake(): void {
     if (this.#retry !== undefined) this.#connect();
     else this.#connection?.check();
   }
 
-  /** Leave for good; no event comes any more. */
+  /** Close for good; no event follows. */
   close(): void {
     clearTimeout(this.#retry);
     this.#retry = undefined;
@@ -92,7 +92,7 @@ export class ReconnectingSocket {
     else this.#retryLater(false);
   }
 
-  /** Nothing has come for too long. A line on which a message takes longer than that is given more time next. */
+  /** Replace a silent connection. A line that is slower than the patience gets more time next. */
   #silent(): void {
     this.#patience = Math.min(MOST_PATIENCE, 2 * this.#patience);
     this.#leave();
@@ -104,7 +104,7 @@ export class ReconnectingSocket {
     this.#retry = setTimeout(() => this.#connect(), retryDelay(this.#failures++));
   }
 
-  /** Let go of the connection; it tells nothing any more. */
+  /** Drop the connection and its events. */
   #leave(): void {
     this.#connection?.leave();
     this.#connection = null;

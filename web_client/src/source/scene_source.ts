@@ -1,10 +1,10 @@
-/** Where a scene comes from: what a player needs of a stream, a server or a folder of files. */
+/** Sources of scenes: the interface between the player and a stream, a server or a folder of files. */
 
 import type { Manifest } from "../codec/types";
 
 /**
- * The scene is not there; a key or link is needed; the one given is no longer valid; the scene is another one than before;
- * it cannot be read; page and server are of different versions; the source's own script cannot be had; anything else.
+ * Reasons for a source's end: no such scene; a key or link required; the given one no longer valid; another scene than
+ * before; an unreadable scene; different versions of page and server; a missing script of the source; anything else.
  */
 export type SourceFailure =
   | "no-scene"
@@ -16,27 +16,27 @@ export type SourceFailure =
   | "not-loaded"
   | "ended";
 
-/** `over-http`: open, but by HTTP in place of the stream, which something on the way does not let through. */
+/** `over-http`: open, but by HTTP, because the stream does not get through. */
 export type SourceState = "connecting" | "open" | "over-http" | "retrying" | "closed";
 
-/** What a source tells the player. */
+/** Events of a source. */
 export interface SourceEvents {
-  /** The manifest, as far as its pages are here; once. */
+  /** The manifest, with the pages received so far; once. */
   manifest(manifest: Manifest): void;
-  /** More of the manifest is here, or the scene has grown: this is its manifest now. */
+  /** A later manifest, with further pages or additions to the scene. */
   grown(manifest: Manifest): void;
-  /** A complete chunk; call `consumed` with its size when it is done with. */
+  /** A complete chunk; call `consumed` with its size once it is decoded. */
   chunk(id: string, bytes: Uint8Array<ArrayBuffer>): void;
-  /** A chunk that cannot be had now; it may come later. */
+  /** A chunk that is not available now; it may arrive later. */
   missing(id: string): void;
-  /** So many chunk bytes have arrived. */
+  /** Number of chunk bytes that have arrived. */
   progress(bytes: number): void;
   state(state: SourceState): void;
-  /** The source is done for a reason that trying again does not cure; `detail` is for whoever looks into it. */
+  /** The source has ended, and retrying would not help; `detail` is for debugging. */
   failed(failure: SourceFailure, detail: string): void;
 }
 
-/** Where the scene is shown. */
+/** The playhead of a source. */
 export interface Playhead {
   /** Seconds; null for the scene's start. */
   readonly time: number | null;
@@ -44,40 +44,44 @@ export interface Playhead {
   readonly rate: number;
 }
 
-/** Brings a scene's manifest and then its chunks, those first that the playhead needs first. */
+/** A source of a scene: brings the manifest and then the chunks, in the order in which the playhead needs them. */
 export interface SceneSource {
   play(time: number, rate: number): void;
   pause(time: number): void;
   seek(time: number): void;
-  /** Note where the playhead is, without a change of its course. */
+  /** Note the playhead's place, without a change of its course. */
   playheadAt(time: number): void;
   /** A complete chunk of so many bytes has been decoded. */
   consumed(bytes: number): void;
   /**
-   * Bring a chunk's bytes once more, also after `close`: past every cache, in which a damaged copy may lie, or from one.
+   * Bring a chunk's bytes once more, also after `close`: from a cache, or around all caches, which may hold a damaged
+   * copy.
    *
    * @throws Error with one line for people
    */
   fetchAgain(id: string, signal: AbortSignal, cache?: "reload" | "default"): Promise<Uint8Array<ArrayBuffer>>;
   /** The network or the page is back: try now. */
   wake(): void;
-  /** Leave for good. */
+  /** Close for good. */
   close(): void;
 }
 
-/** Opens a source, which begins to bring the scene at once. */
+/** The first byte of an index as it is stored: gzip's. A manifest is plain JSON. */
+export const GZIP = 0x1f;
+
+/** A function that opens a source, which starts at once. */
 export type OpenSource = (events: SourceEvents, playhead: Playhead) => SceneSource;
 
-/** A scene's manifest: all of a short one, and of a long one the pages that have come. */
+/** A scene's manifest: complete, or with the pages received so far. */
 export interface SceneManifest {
-  /** As far as it is here. In place of a page that is not there is a slice with one chunk, which is the page. */
+  /** The manifest so far. A slice with one chunk, the page itself, stands for a missing page. */
   readonly manifest: Manifest;
-  /** Of a manifest in pages: where they begin, and how many segments each has. */
+  /** For a manifest in pages: their starts and numbers of segments. */
   readonly places?: readonly (readonly [number, number])[];
-  /** Whether there is such a page, and it has not come. */
+  /** Whether this is a page that has not arrived. */
   lacks?(id: string): boolean;
-  /** Take a page that is lacking; resolves to false if it is none. Rejects with ManifestError if it is damaged. */
+  /** Add a missing page; resolves to false if it is none. Rejects with ManifestError if it is damaged. */
   add?(id: string, bytes: Uint8Array<ArrayBuffer>): Promise<boolean>;
-  /** The pages that have come and will not change, with the ids of the chunks and of the sound that they list. */
+  /** The final pages received so far, with the ids of the chunks and of the sound that they list. */
   listed?(): [string, string[]][];
 }

@@ -1,6 +1,6 @@
 /**
- * A scene's stream over WebSocket: takes the server's messages, puts chunk frames together, and grants credit as chunks are
- * consumed.
+ * The source for a stream over WebSocket: handles the server's messages, joins chunk frames, and grants credit as
+ * chunks are consumed.
  */
 
 import { toHex } from "../codec/hex";
@@ -25,9 +25,9 @@ import type { Playhead, SceneManifest, SceneSource, SourceEvents, SourceFailure 
 import { helloOf } from "./stream_hello";
 import { StreamedSound, soundsOf } from "./streamed_sound";
 
-/** Complete chunks that may wait for their decoding before credit is held back, bytes. */
+/** Bytes of complete chunks waiting for the decoder before credit is held back. */
 const UNDECODED = 16 << 20;
-/** Faults that may pass: the close that follows decides whether to come back. */
+/** Errors that may pass: the close code that follows decides about a retry. */
 const PASSING: ReadonlySet<string> = new Set(["internal", "hello-timeout"]);
 
 export class SceneStream implements SceneSource {
@@ -37,8 +37,8 @@ export class SceneStream implements SceneSource {
   readonly #moves = new PlayheadMessages((message) => this.#send(message));
   readonly #socket: ReconnectingSocket;
   #sound = new StreamedSound(new Set(), () => {});
-  #scene: SceneManifest | null = null; // from the index on
-  #id: Uint8Array | null = null; // of the index
+  #scene: SceneManifest | null = null; // null until the index has arrived
+  #id: Uint8Array | null = null; // id of the index
   readonly #messages = new MessageOrder<Uint8Array<ArrayBuffer>>(
     (bytes) => this.#guarded(bytes),
     (error) => this.#fail("unreadable", String(error)),
@@ -52,7 +52,7 @@ export class SceneStream implements SceneSource {
     readonly events: SourceEvents,
     playhead: Playhead,
     connect: (url: string) => Socket = (url) => new WebSocket(url),
-    /** Called when a connection has failed, and none before it has brought a welcome; `silent` if it did not even end. */
+    /** Called when a connection has failed and none has brought a welcome so far; `silent` if it did not even end. */
     unwelcome: (silent: boolean) => void = () => {},
   ) {
     this.#playhead = playhead;
@@ -84,7 +84,7 @@ export class SceneStream implements SceneSource {
     this.#moves.put({ type: "pause", time });
   }
 
-  /** Note where the playhead is, for the next connection; the server keeps its own. */
+  /** Note the playhead's place, for the next connection; the server keeps its own. */
   playheadAt(time: number): void {
     this.#playhead = { ...this.#playhead, time };
   }
@@ -95,7 +95,7 @@ export class SceneStream implements SceneSource {
     this.#grant();
   }
 
-  /** A piece of sound comes with the stream, if it is asked for the first time. */
+  /** A piece of sound arrives with the stream when it is requested for the first time. */
   async fetchAgain(id: string, signal: AbortSignal, cache?: "reload" | "default"): Promise<Uint8Array<ArrayBuffer>> {
     const streamed = cache === "default" && (await this.#sound.ask(id));
     return streamed || fetchChunk(chunkUrl(this.url, id), signal, cache);
@@ -105,7 +105,7 @@ export class SceneStream implements SceneSource {
     this.#socket.wake();
   }
 
-  /** Leave for good. */
+  /** Close for good. */
   close(): void {
     this.#sound.end();
     this.#moves.clear();
@@ -126,7 +126,7 @@ export class SceneStream implements SceneSource {
     this.#send(helloOf(credits, { playhead, id, pages, sound, have: this.#have, partial: this.#partial }));
   }
 
-  /** What the server should know of this client. */
+  /** Send the server the client's state. */
   #tell(): void {
     const { rate } = this.#rates;
     this.#send({ type: "limits", ...(rate > 0 && { measured: rate }), ...(this.#sound.wanted && { audio: true }) });
@@ -167,7 +167,7 @@ export class SceneStream implements SceneSource {
         this.#socket.answered(message.id);
         break;
       case "end":
-        if (!this.#scene?.manifest.live) this.#socket.rest(); // else there will be more
+        if (!this.#scene?.manifest.live) this.#socket.rest(); // a growing scene has more to send
         break;
       case "error":
         if (!PASSING.has(message.code)) this.#fail(streamFailure(message.code), message.detail);
@@ -185,7 +185,7 @@ export class SceneStream implements SceneSource {
     this.#become(message);
   }
 
-  /** Go on with an index: the first one, or that of what the scene has become. */
+  /** Continue with an index: the first one, or that of the grown scene. */
   #become({ manifest, manifest_id }: Pick<Extract<ServerMessage, { type: "grow" }>, "manifest" | "manifest_id">): void {
     const before = this.#scene;
     const id = manifest_id.slice();
@@ -234,7 +234,7 @@ export class SceneStream implements SceneSource {
     this.#grant();
   }
 
-  /** A page that is damaged is fetched once more, and then done without. */
+  /** A damaged page is fetched once more, and then given up. */
   #addPage(id: string, bytes: Uint8Array<ArrayBuffer>): void {
     const { signal } = new AbortController();
     const again = async () => this.#scene?.add?.(id, await fetchChunk(chunkUrl(this.url, id), signal));
@@ -248,13 +248,13 @@ export class SceneStream implements SceneSource {
     );
   }
 
-  /** Give credit back in portions, but not to a decoder that cannot keep up. */
+  /** Return credit in portions, but not while the decoder lags. */
   #grant(): void {
     if (this.#undecoded <= UNDECODED) this.#socket.grant();
   }
 }
 
-/** The server's error codes, and the close codes of those that come without one (docs/stream.md, Closing). */
+/** The server's error codes, and the close codes without one (docs/stream.md, Closing). */
 const MEANINGS: Readonly<Record<string | number, SourceFailure>> = {
   "scene-not-found": "no-scene",
   4004: "no-scene",
@@ -274,7 +274,11 @@ const MEANINGS: Readonly<Record<string | number, SourceFailure>> = {
   flood: "ended",
 };
 
-/** @param code of an `error` message or of a close */
+/**
+ * The failure for an error.
+ *
+ * @param code of an `error` message or of a close
+ */
 export function streamFailure(code: string | number): SourceFailure {
   return Object.hasOwn(MEANINGS, code) ? MEANINGS[code] : "ended";
 }

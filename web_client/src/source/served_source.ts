@@ -1,15 +1,20 @@
-/** A scene of a server: its stream, or the same scene over HTTP where something on the way lets no WebSocket through. */
+/** The source for a scene of a server: its stream, or HTTP where WebSockets do not get through. */
 
 import type { Socket } from "../protocol/connection";
 import type { OpenSource, SceneSource, SourceEvents, SourceState } from "./scene_source";
 import { SceneStream } from "./scene_stream";
 
-/** Connections that have failed while the scene could be had over HTTP: a single one may be that of a server that restarts. */
+/**
+ * Failed connections, while HTTP worked, before the stream is given up: a single one may come from a restart of the
+ * server.
+ */
 const ENOUGH = 2;
 
 /**
- * @param stream `ws://host/v1/scenes/{scene}/stream`, with the link that opens it.
- * @param openFiles opens a scene by the address of its index, and the query that opens it.
+ * Open a scene of a server.
+ *
+ * @param stream `ws://host/v1/scenes/{scene}/stream`, with the link that grants access.
+ * @param openFiles opens a scene by the address of its index and a query.
  */
 export function openServed(
   stream: string,
@@ -17,8 +22,8 @@ export function openServed(
   connect?: (url: string) => Socket,
 ): OpenSource {
   return (events, playhead) => {
-    let failures = 0; // one after the other, with an answer over HTTP after each
-    let hopeful = true; // nothing has been there that could be lost, nor is the server known to be away
+    let failures = 0; // consecutive failures with an answer over HTTP after each
+    let hopeful = true; // true until a connection was there or the server is known to be down
     let asking: AbortController | null = null;
     const told: SourceEvents = {
       ...events,
@@ -33,7 +38,7 @@ export function openServed(
     const socketed = new SceneStream(stream, told, playhead, connect, (silent) => void ask(silent));
     let source: SceneSource = socketed;
 
-    /** Find out what HTTP says of the scene, and act upon it. */
+    /** Check the scene over HTTP, and act on the answer. */
     async function ask(silent: boolean): Promise<void> {
       if (asking) return;
       asking = new AbortController();

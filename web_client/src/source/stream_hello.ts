@@ -1,4 +1,4 @@
-/** What a client says first on every connection: what it has, where its playhead is, and what it wants. */
+/** The hello of a connection: the client's chunks, playhead and requests. */
 
 import { fromHex } from "../codec/hex";
 import { type ClientMessage, MOST_HAVE, MOST_PARTS, PROTOCOL } from "../protocol/messages";
@@ -6,21 +6,25 @@ import type { PartialChunks } from "../protocol/partial_chunks";
 import type { Playhead } from "./scene_source";
 import type { StreamedSound } from "./streamed_sound";
 
-/** What a stream has when it connects. */
+/** The state of a stream when it connects. */
 export interface StreamState {
   readonly playhead: Playhead;
-  /** SHA-256 of the index; null before one has come. */
+  /** SHA-256 of the index; null before the first. */
   readonly id: Uint8Array | null;
-  /** The pages that are here, with what they list. */
+  /** The received pages, with the ids that they list. */
   readonly pages: readonly (readonly [string, readonly string[]])[];
   readonly sound: Pick<StreamedSound, "wanted" | "sent">;
   /** Ids of complete chunks. */
   readonly have: ReadonlySet<string>;
-  /** Of these no more are kept than a hello may name. */
+  /** Incomplete chunks; only as many are kept as a hello may list. */
   readonly partial: PartialChunks;
 }
 
-/** @param credits bytes that the server may send. */
+/**
+ * The hello for a state.
+ *
+ * @param credits bytes that the server may send.
+ */
 export function helloOf(
   credits: number,
   { playhead: { time, rate }, id, pages, sound, have, partial }: StreamState,
@@ -43,7 +47,7 @@ export function helloOf(
   };
 }
 
-/** Which of the names are there, one bit each, lowest bits first. */
+/** A bit field of the present names, lowest bits first. */
 function bitsOf(names: readonly string[], there: ReadonlySet<string>): Uint8Array {
   const bits = new Uint8Array(Math.ceil(names.length / 8));
   for (const [i, name] of names.entries()) if (there.has(name)) bits[i >> 3] |= 1 << (i & 7);

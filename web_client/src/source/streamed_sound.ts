@@ -1,29 +1,33 @@
 /**
- * The sound that comes with a scene's stream: the server sends it once it has been asked for, in its own order. What the stream
- * cannot bring is to be fetched by its id.
+ * The sound of a scene's stream: sent by the server on request, in the server's order. Pieces that the stream cannot
+ * bring are fetched by their ids.
  */
 
 import type { Manifest } from "../codec/types";
 
 type Bytes = Uint8Array<ArrayBuffer>;
 
-/** Milliseconds without a question after which the server is told to send no more: it is muted, or all has been asked for. */
+/** Milliseconds without a request before the server should stop sending: the player is muted, or has everything. */
 const QUIET = 10_000;
-/** Milliseconds after which a piece is fetched in another way. */
+/** Milliseconds of waiting for a piece before it is fetched in another way. */
 const PATIENCE = 4000;
-/** Pieces that have come and were not asked for yet; of more, the first to come are let go. */
+/** Received pieces kept until they are requested; the oldest are dropped first. */
 const KEPT = 64;
 
 export class StreamedSound {
   readonly #here = new Map<string, Bytes>();
   readonly #awaited = new Map<string, (bytes: Bytes | null) => void>();
-  readonly #sent = new Set<string>(); // which the server sends no more
+  readonly #sent = new Set<string>(); // pieces that the server does not send again
   #wanted = false;
   #ended = false;
-  #deaf = false; // a server that has been asked and sends none: an older one
+  #deaf = false; // an older server, which sends no sound
   #quiet: ReturnType<typeof setTimeout> | undefined;
 
-  /** @param changed is called when the server should be told anew whether sound is wanted. */
+  /**
+   * Track the sound of a stream.
+   *
+   * @param changed is called when the server should be informed whether to send sound.
+   */
   constructor(
     readonly ids: Set<string>,
     readonly changed: () => void,
@@ -34,12 +38,12 @@ export class StreamedSound {
     return this.#wanted;
   }
 
-  /** Ids of what has come. */
+  /** Ids of the received pieces. */
   get sent(): readonly string[] {
     return [...this.#sent];
   }
 
-  /** A piece when it comes; null if it does not come with the stream. */
+  /** A piece, when it arrives; null if the stream does not bring it. */
   ask(id: string): Promise<Bytes | null> {
     const bytes = this.#here.get(id);
     this.#here.delete(id);
@@ -57,7 +61,7 @@ export class StreamedSound {
     });
   }
 
-  /** A piece has come. */
+  /** A piece has arrived. */
   arrived(id: string, bytes: Bytes): void {
     this.#sent.add(id);
     if (this.#settle(id, bytes)) return;
@@ -65,13 +69,13 @@ export class StreamedSound {
     for (const first of this.#here.keys()) if (this.#here.size > KEPT) this.#here.delete(first);
   }
 
-  /** The server cannot give a piece. */
+  /** The server cannot send a piece. */
   missing(id: string): void {
     this.#sent.add(id);
     this.#settle(id, null);
   }
 
-  /** Nothing comes any more. */
+  /** The stream has ended. */
   end(): void {
     this.#ended = true;
     clearTimeout(this.#quiet);
@@ -99,7 +103,7 @@ export class StreamedSound {
   }
 }
 
-/** Ids of a scene's pieces of sound, as far as its manifest is here. */
+/** Ids of a scene's pieces of sound in the manifest so far. */
 export function soundsOf({ audio }: Manifest): Set<string> {
   const { pieces = [] } = (audio ?? {}) as { pieces?: { id: string }[] };
   return new Set(pieces.map(({ id }) => id));

@@ -1,9 +1,9 @@
-/** How fast the line brings bytes. */
+/** The rate at which the line brings bytes. */
 
-const SAMPLE = 100; // ms, at least
-/** A line that has brought nothing for so long, ms, was not asked for anything, or is broken. */
+const SAMPLE = 100; // ms, the shortest sample
+/** Longest pause of a line in use, ms: one that is quiet for longer had no requests, or is broken. */
 const IDLE = 2000;
-/** Means that halve what was so long ago, ms: the lower one counts, so that falls are noticed soon and rises believed late. */
+/** Half-lives of running means, ms: the lowest mean counts, so that falls show soon and rises late. */
 const HALVES = [500, 3000];
 
 export class Throughput {
@@ -27,7 +27,7 @@ export class Throughput {
     this.#bytes = 0;
   }
 
-  /** Bytes per second at `now`, milliseconds; 0 while that is not known, and when nothing has come for long. */
+  /** Bytes per second at `now`, milliseconds; 0 while unknown, and after a long silence. */
   rate(now: number): number {
     if (now - this.#since > IDLE) return 0;
     return Math.min(...this.#means.map(({ sum, weight }) => (weight > 0 ? (1000 * sum) / weight : 0)));

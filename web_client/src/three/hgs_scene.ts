@@ -2,29 +2,28 @@
 
 import { type Camera, Object3D, type PerspectiveCamera, type WebGLRenderer } from "three";
 import type { Manifest } from "../codec/types";
-import { type Asked, asked, played } from "../player/media_api";
+import { type Asked, asked, withMediaApi } from "../player/media_api";
 import { checkedSplats } from "../renderer/fineness";
-import type { Playback } from "../scene/playback";
-import { ProgressEvents } from "../scene/playback_events";
+import { type Playback, ProgressEvents } from "../scene/playback";
 import { StreamedScene } from "../scene/streamed_scene";
 import { openSource } from "../source/open_source";
-import { lookFrom } from "./capture_view";
 import type { HgsSceneEventMap, HgsSceneEvents, HgsSceneOptions } from "./hgs_scene_events";
 import { HostPictures } from "./host_pictures";
 import { HostSound } from "./host_sound";
+import { lookFrom } from "./host_view";
 import { SplatMesh } from "./splat_mesh";
 
 export type { HgsSceneEventMap, HgsSceneEvents, HgsSceneOptions };
 
 /**
- * One scene of moving splats. It has the scene's own space, which position, quaternion and one scale for all axes place in the
- * host's world. Times are seconds on the scene's clock, which runs from `start` to `end`; it moves on when the host draws.
+ * One scene of moving splats, an object with the scene's own space: its position, its quaternion and one scale for all axes
+ * place it in the host's world. Times are seconds on the scene's clock, which runs from `start` to `end` while the host draws.
  *
  * @example
  * const scene = new HgsScene({ src: "studio/manifest.json", loop: true, autoplay: true });
  * threeScene.add(scene);
  */
-export class HgsScene extends played(Object3D<HgsSceneEventMap>) {
+export class HgsScene extends withMediaApi(Object3D<HgsSceneEventMap>) {
   override readonly type: string = "HgsScene";
   protected readonly asked: Asked;
   readonly #mesh: SplatMesh;
@@ -39,6 +38,8 @@ export class HgsScene extends played(Object3D<HgsSceneEventMap>) {
   #refused: string | null = null;
 
   /**
+   * Create a scene.
+   *
    * @throws Error with one line for people if no scene can be at such an address.
    * @throws RangeError if `playbackRate` is not in (0, 16], or `splatBudget` not at least 1.
    */
@@ -50,7 +51,7 @@ export class HgsScene extends played(Object3D<HgsSceneEventMap>) {
     this.#failed = new Promise((_, reject) => {
       this.#fail = reject;
     });
-    this.#failed.catch(() => {}); // for whoever waits; all others hear of it by the event
+    this.#failed.catch(() => {}); // callers of load() handle it, all others the event
     this.#pictures = new HostPictures(options.linear ?? null, {
       frame: (settled) => this.#framed(settled),
       restored: () => {
@@ -95,18 +96,18 @@ export class HgsScene extends played(Object3D<HgsSceneEventMap>) {
     addEventListener("online", () => this.#scene.wake(), { signal });
     this.settled().then(
       () => this.tell("ready", null),
-      () => {}, // told by `error`, or left on purpose
+      () => {}, // reported by `error`, or intentional
     );
   }
 
-  /** What the scene says of itself; null until it has come. */
+  /** The scene's manifest; null until it has arrived. */
   get manifest(): Manifest | null {
     return this.#scene.manifest;
   }
 
   /**
-   * Whether a scene that has sound is silent. One that begins before the visitor has touched the page mutes itself: no browser
-   * lets it sound then.
+   * Whether a scene with sound is muted. One that begins before the visitor has touched the page mutes itself, because
+   * no browser allows sound then.
    */
   get muted(): boolean {
     return this.#sound.muted;
@@ -116,7 +117,7 @@ export class HgsScene extends played(Object3D<HgsSceneEventMap>) {
     this.#sound.muted = muted;
   }
 
-  /** How loud, from 0 to 1; another number is taken for the nearest. */
+  /** Loudness, from 0 to 1; other numbers are clamped. */
   get volume(): number {
     return this.#sound.volume;
   }
@@ -126,10 +127,10 @@ export class HgsScene extends played(Object3D<HgsSceneEventMap>) {
   }
 
   /**
-   * Put a camera where one of the capture stood, as wide as to see all of that one's picture.
+   * Move a camera to a capture camera, with a field of view that contains its whole picture.
    *
-   * @param name of the capture camera; the first if left out.
-   * @throws Error if the scene is not known yet, or has no camera of that name.
+   * @param name of the capture camera; the first if undefined.
+   * @throws Error if the manifest has not arrived, or has no camera of that name.
    */
   lookFrom(camera: PerspectiveCamera, name: string | null = null): void {
     if (!this.manifest) throw new Error("the scene is not known yet: wait for the event manifest");
@@ -137,7 +138,7 @@ export class HgsScene extends played(Object3D<HgsSceneEventMap>) {
     lookFrom(camera, this.matrixWorld, this.manifest, name);
   }
 
-  /** Stop for good and give everything back but the host's context. */
+  /** Stop for good and release everything but the host's context. */
   override dispose(): void {
     super.dispose();
     this.removeFromParent();
@@ -174,9 +175,9 @@ export class HgsScene extends played(Object3D<HgsSceneEventMap>) {
       this.#refused = null;
     } catch (error) {
       const cause = error instanceof Error ? error.message : String(error);
-      if (cause === this.#refused) return; // said once, not at every frame
+      if (cause === this.#refused) return; // reported once, not at every frame
       this.#refused = cause;
-      // biome-ignore lint/suspicious/noConsole: whoever has put the scene there looks for it here
+      // biome-ignore lint/suspicious/noConsole: the place where developers look for it
       console.warn(`HgsScene: ${cause}`);
       this.tell("error", { message: cause, cause });
     }
@@ -195,7 +196,7 @@ export class HgsScene extends played(Object3D<HgsSceneEventMap>) {
     if (clock.playing) this.tell("change", null);
   }
 
-  /** While the page was hidden the connection may have died. */
+  /** The connection may have died while the page was hidden. */
   #visibility(): void {
     if (!document.hidden) this.#scene.wake();
     this.playback?.pageHidden(document.hidden);

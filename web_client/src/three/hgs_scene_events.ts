@@ -1,20 +1,20 @@
-/** What an `HgsScene` is made from and what it tells. */
+/** Options and events of an `HgsScene`. */
 
 import type { Object3DEventMap } from "three";
 import type { Beginning, HgsPlayerEvents, PlayingOptions, SoundOptions } from "../player/hgs_player_events";
 import type { OpenSource } from "../source/scene_source";
 
 export interface HgsSceneOptions extends PlayingOptions, SoundOptions, Pick<Beginning, "time"> {
-  /** Where the scene is (see `openSource`), or a source of one's own. */
+  /** Address of the scene (see `openSource`), or a source. */
   readonly src: string | OpenSource;
   /**
-   * Whether to write colours in linear light, for what turns them into sRGB later. Left out or null: as three.js' own
-   * materials do, by the renderer's `outputColorSpace` on its canvas, and in linear light to render targets.
+   * Whether to write colours in linear light, for a later conversion to sRGB. Undefined or null for the choice of
+   * three.js' own materials: by the renderer's `outputColorSpace` on its canvas, and linear light to render targets.
    */
   readonly linear?: boolean | null;
 }
 
-/** Those of a player's events that a scene tells, too. */
+/** The events of a player that a scene has, too. */
 type Told =
   | "manifest"
   | "firstpicture"
@@ -31,11 +31,11 @@ type Told =
   | "error";
 
 export type HgsSceneEvents = Pick<HgsPlayerEvents, Told> & {
-  /** The next picture will be another one: for hosts that draw on demand. Ask for a frame; do not draw in the listener. */
+  /** The next picture will differ: for hosts that draw on demand. Request a frame; do not draw in the listener. */
   change: null;
 };
 
-/** By name, as three.js' listeners get them: `detail` is what stands in `HgsSceneEvents`. */
+/** The events for three.js' listeners: `detail` is the type in `HgsSceneEvents`. */
 export type HgsSceneEventMap = Object3DEventMap & {
   readonly [K in keyof HgsSceneEvents]: { readonly detail: HgsSceneEvents[K] };
 };

@@ -1,4 +1,4 @@
-/** The pictures that a host draws of a scene: in each frame one or several, from cameras and into targets of the host's. */
+/** A host's pictures of a scene: one or several per frame, from cameras and into targets of the host's. */
 
 import { type Camera, ColorManagement, LinearTransfer, type Matrix4, Vector4, type WebGLRenderer } from "three";
 import type { SplatSink } from "../renderer/splat_drawer";
@@ -11,9 +11,9 @@ import { fineFormat } from "./linear_light";
 import { areEyes, ViewOrders, type Views } from "./view_orders";
 
 export interface HostPictureEvents {
-  /** The last picture of a frame is drawn; `settled`: all that is alive at the playhead is in each. */
+  /** The last picture of a frame is drawn; `settled`: each contains everything visible at the playhead. */
   frame(settled: boolean): void;
-  /** The host's context was lost and is back: what was ordered for it is gone. */
+  /** The host's context was restored, without the orders. */
   restored(): void;
 }
 
@@ -21,13 +21,17 @@ export class HostPictures {
   readonly #splats = new HostedSplats(() => this.#restored());
   readonly #orders = new ViewOrders();
   readonly #viewport = new Vector4();
-  #views: View[] = []; // of this frame, in the order of drawing
-  #before: readonly View[] = []; // of the frame before
+  #views: View[] = []; // this frame's, in the order of drawing
+  #before: readonly View[] = []; // previous frame's
   #apart = false; // whether each view has an order of its own
-  #held: OrderKey | null = null; // what the drawer has
+  #held: OrderKey | null = null; // the drawer's order
   #settled = false;
 
-  /** @param linear whether to write colours in linear light; null to do as three.js' materials do. */
+  /**
+   * Prepare for pictures.
+   *
+   * @param linear whether to write colours in linear light; null for the choice of three.js' materials.
+   */
   constructor(
     readonly linear: boolean | null,
     readonly events: HostPictureEvents,
@@ -38,9 +42,9 @@ export class HostPictures {
   }
 
   /**
-   * Draw into what is bound; `world` takes the scene's own space to the host's world.
+   * Draw into the bound target; `world` takes the scene's own space to the host's world.
    *
-   * @throws Error with one line for people if splats cannot be drawn so.
+   * @throws Error with one line for people if splats cannot be drawn there.
    */
   draw(scene: StreamedScene, renderer: WebGLRenderer, camera: Camera, world: Matrix4): void {
     if (renderer.getContext().isContextLost()) return;
@@ -76,7 +80,7 @@ export class HostPictures {
     this.#splats.dispose();
   }
 
-  /** Before the first picture of a frame. The host may draw more until its script is done. */
+  /** Start a frame at its first picture. The host may draw further ones until its script ends. */
   #begin(scene: StreamedScene, renderer: WebGLRenderer, views: Views): void {
     queueMicrotask(() => this.#end());
     this.#settled = false;
@@ -93,7 +97,7 @@ export class HostPictures {
     if (apart !== this.#apart) {
       this.#apart = apart;
       this.#orders.forget();
-      scene.orders.forget(); // what is held may be another view's
+      scene.orders.forget(); // the drawer's order may be another view's
     }
     const now = performance.now();
     if (!apart) {
@@ -118,13 +122,13 @@ export class HostPictures {
   }
 }
 
-/** The viewport in pixels. three.js knows none of a canvas whose size and target the host has never set. */
+/** The viewport in pixels. three.js has none for a canvas without a size or target set by the host. */
 function currentViewport(renderer: WebGLRenderer, viewport: Vector4): Vector4 {
   if (renderer.getCurrentViewport(viewport).z > 0) return viewport;
   return renderer.getViewport(viewport).multiplyScalar(renderer.getPixelRatio()).round();
 }
 
-/** Whether three.js' materials write linear light into what is bound. */
+/** Whether three.js' materials write linear light into the bound target. */
 function writesLinear(renderer: WebGLRenderer): boolean {
   const target = renderer.getRenderTarget();
   if (target === null) return ColorManagement.getTransfer(renderer.outputColorSpace) === LinearTransfer;

@@ -1,4 +1,4 @@
-/** How loud a host's scene is, and what its sound listens to: three.js' events are not those of the page. */
+/** The loudness of a host's scene, and events for its sound: three.js' events are not those of the page. */
 
 import type { Manifest } from "../codec/types";
 import type { PlayerProblem, SoundOptions } from "../player/hgs_player_events";
@@ -6,7 +6,7 @@ import type { StreamedScene } from "../scene/streamed_scene";
 import type { Heard } from "../sound/scene_sound";
 
 export interface HostSoundEvents {
-  /** It is louder, or quieter, or muted, or no more. */
+  /** Volume or muting has changed. */
   changed(): void;
   failed(problem: PlayerProblem): void;
 }
@@ -49,10 +49,10 @@ export class HostSound extends EventTarget implements Heard {
     this.#changed();
   }
 
-  /** The scene has sound: play it, too, from now on. */
+  /** Play the scene's sound, too, from now on. */
   async listen(): Promise<void> {
     try {
-      const { SceneSound } = await import("../sound/scene_sound"); // most scenes need none of it
+      const { SceneSound } = await import("../sound/scene_sound"); // not needed for most scenes
       if (!this.gone.aborted) new SceneSound(this, this.scene, this.gone);
       this.events.changed();
     } catch (error) {

@@ -1,4 +1,4 @@
-/** What splats are drawn into when a host draws with them, such as an engine with meshes of its own. */
+/** The surface that a host, such as an engine with meshes of its own, draws splats into. */
 
 import { type Uniforms, uniformsOf } from "../renderer/program";
 import type { SplatSurroundings } from "../renderer/splat_drawer";
@@ -8,25 +8,28 @@ type Row = readonly [number, number, number, number];
 
 export interface HostSurface {
   /**
-   * Two rows of a matrix that takes a point before the camera (OpenCV axes, the scene's units, then 1) to the host's clip
-   * space: its z and its w. A splat has the depth of its centre all over.
+   * Two rows of a matrix from camera space (OpenCV axes, the scene's units, then 1) to the host's clip space: its z and
+   * its w. All pixels of a splat have the depth of its centre.
    */
   readonly z: Row;
   readonly w: Row;
-  /** 2 / log2(far + 1) where the host writes depth as log2(1 + w) / log2(far + 1); else 0. */
+  /** 2 / log2(far + 1) if the host writes depth as log2(1 + w) / log2(far + 1); else 0. */
   readonly logarithmic: number;
-  /** Whether what is near has the greater depth. */
+  /** Whether nearer points have greater depths. */
   readonly reversed: boolean;
-  /** Whether colours are written in linear light; else in sRGB, as they are. */
+  /** Whether colours are written in linear light; otherwise in sRGB, unchanged. */
   readonly linear: boolean;
 }
 
 const UNIFORMS = ["depthZ", "depthW", "logarithmic", "linear"] as const;
 
-/** Draws splats among a host's surfaces: behind what is nearer, without a depth of their own, in the host's light. */
+/**
+ * A host's surroundings of splats: nearer surfaces hide them, they write no depth, and their colours are in the host's
+ * light.
+ */
 export class HostSurroundings implements SplatSurroundings {
   readonly shader = shader;
-  /** What the next picture is drawn into; to be set before it. */
+  /** The surface of the next picture; to be set before it. */
   surface!: HostSurface;
   #uniforms!: Uniforms<(typeof UNIFORMS)[number]>;
 

@@ -1,8 +1,10 @@
-/** What a camera of three.js sees of a scene that stands somewhere in its world. */
+/** Cameras of three.js: their views of a scene somewhere in their world, and capture cameras as their poses. */
 
-import type { Camera, Matrix4 } from "three";
+import { type Camera, Matrix4, type PerspectiveCamera, Vector3 } from "three";
+import { startCamera } from "../camera/pinhole";
 import { projectedIntrinsics, type Viewport } from "../camera/projection";
 import { cross, dot, length, type Mat3, type Vec3 } from "../camera/vector";
+import type { Manifest } from "../codec/types";
 import type { View } from "../scene/view";
 import type { HostSurface } from "./host_surface";
 
@@ -11,16 +13,17 @@ export interface HostView {
   readonly depth: Pick<HostSurface, "z" | "w">;
 }
 
-/** How far the three axes may be from one length and right angles, relative to their length. */
+/** Largest relative deviation of the three axes from equal lengths and right angles. */
 const TOLERANCE = 1e-3;
 
-/** Nearest that splats are drawn, of the host's near distance: a lens that is all but at the splat would fill the picture. */
+/** Smallest near distance, as a lower bound of the host's: a lens almost at a splat would fill the picture. */
 const NEAREST = 1e-6;
 
 /**
- * The view of the scene whose own space `world` takes to the host's world, and how deep its splats lie for the host.
+ * The view of a scene with its own space taken to the host's world by `world`, and its splats' depth for the host.
  *
- * @throws Error with one line for people if the camera has no perspective, or `world` does more than move, turn and scale.
+ * @throws Error with one line for people if the camera has no perspective, or `world` does more than move, turn and
+ *   scale.
  */
 export function hostView(camera: Camera, world: Matrix4, viewport: Viewport): HostView {
   const p = camera.projectionMatrix.elements;
@@ -29,7 +32,7 @@ export function hostView(camera: Camera, world: Matrix4, viewport: Viewport): Ho
   }
   const m = camera.matrixWorldInverse.clone().multiply(world).elements;
   const scale = uniformScale(m);
-  // Rows in OpenCV axes: y and z the other way round. Lengths in the scene's own units.
+  // Rows in OpenCV axes: y and z inverted. Lengths in the scene's own units.
   const rows = [0, 1, 2].map((i) => [m[i], m[i + 4], m[i + 8], m[i + 12]].map((v) => ((i ? -1 : 1) * v) / scale));
   const rotation = rows.flatMap((row) => row.slice(0, 3)) as unknown as Mat3;
   const row = (i: number): [number, number, number, number] => [
@@ -47,7 +50,7 @@ export function hostView(camera: Camera, world: Matrix4, viewport: Viewport): Ho
   };
 }
 
-/** The one factor by which a matrix scales. */
+/** The common scale of a matrix. */
 function uniformScale(m: ArrayLike<number>): number {
   const axes = [0, 4, 8].map((i): Vec3 => [m[i], m[i + 1], m[i + 2]]);
   const [x, y, z] = axes;
@@ -64,8 +67,35 @@ function uniformScale(m: ArrayLike<number>): number {
   return (lengths[0] + lengths[1] + lengths[2]) / 3;
 }
 
-/** The host's near distance; not the projection matrix's, which may be reversed, endless or cut askew. */
+/** The host's near distance; not that of the projection matrix, which may be reversed, infinite or oblique. */
 function nearOf(camera: Camera): number {
   const { near } = camera as Camera & { near?: number };
   return Math.max(NEAREST, near ?? NEAREST);
+}
+
+/**
+ * Move a camera to a capture camera.
+ *
+ * @param world takes the scene's own space to the host's world.
+ * @param name of the capture camera; the first if null.
+ * @throws Error if the scene has no camera of that name.
+ */
+export function lookFrom(camera: PerspectiveCamera, world: Matrix4, manifest: Manifest, name: string | null): void {
+  const { pose, camera: capture } = startCamera(manifest, name);
+  const [r, t] = [pose.rotation, pose.translation];
+  // World to camera; y and z inverted, as in three.js.
+  const view = new Matrix4().set(
+    ...[r[0], r[1], r[2], t[0]],
+    ...[-r[3], -r[4], -r[5], -t[1]],
+    ...[-r[6], -r[7], -r[8], -t[2]],
+    ...[0, 0, 0, 1],
+  );
+  const placed = world.clone().multiply(view.invert());
+  if (camera.parent) placed.premultiply(camera.parent.matrixWorld.clone().invert());
+  placed.decompose(camera.position, camera.quaternion, new Vector3());
+  // The whole of the capture's picture fits into a picture of any shape.
+  const tangent = Math.max(capture.height / capture.fy, capture.width / capture.fx / camera.aspect) / 2;
+  camera.fov = (2 * Math.atan(tangent) * 180) / Math.PI;
+  camera.updateProjectionMatrix();
+  camera.updateMatrixWorld();
 }

@@ -1,4 +1,7 @@
-/** The splats in the context of a host's renderer: made and filled when the host draws, and drawn with its bindings kept. */
+/**
+ * The splats in the context of a host's renderer: created, filled and drawn while the host draws, with its bindings
+ * kept.
+ */
 
 import type { WebGLRenderer } from "three";
 import type { Viewport } from "../camera/projection";
@@ -16,21 +19,25 @@ export class HostedSplats {
   #renderer: WebGLRenderer | null = null;
   #drawer: SplatDrawer | null = null;
   #light: LinearLight | null = null;
-  #stale = false; // the context was lost
+  #stale = false; // true after a loss of the context
 
-  /** @param onLoss called when the context was lost and is back: then splats and an order must be set again. */
+  /**
+   * Wait for a renderer.
+   *
+   * @param onLoss called when the context was restored: then splats and an order must be set again.
+   */
   constructor(readonly onLoss: () => void) {}
 
-  /** Where decoded splats and their order go, at any time. */
+  /** The sink for decoded splats and their order, at any time. */
   get sink(): SplatSink {
     return this.#waiting;
   }
 
   /**
-   * Take what has come since the last frame.
+   * Take the splats received since the last frame.
    *
-   * @returns the order that has come, if one has: ids and their number, in an array that is lent.
-   * @throws Error if another renderer has drawn it before, or the device cannot hold the scene.
+   * @returns the new order, if there is one: ids and their number, in a borrowed array.
+   * @throws Error if another renderer has drawn the scene before, or the device cannot hold it.
    */
   prepare(renderer: WebGLRenderer): Parameters<SplatSink["setOrder"]> | null {
     const gl = this.#contextOf(renderer);
@@ -44,13 +51,17 @@ export class HostedSplats {
     });
   }
 
-  /** Put an earlier order in place of the last one. */
+  /** Replace the last order by an earlier one. */
   setOrder(...order: Parameters<SplatSink["setOrder"]>): void {
     const drawer = this.#drawer;
     if (drawer) keepUnpacking(drawer.gl, () => drawer.setOrder(...order));
   }
 
-  /** @param light the format of what is bound, if it holds linear light that is to be turned into sRGB meanwhile. */
+  /**
+   * Draw a shot.
+   *
+   * @param light the format of the bound target, if it holds linear light to be converted to sRGB meanwhile.
+   */
   draw(shot: Shot, viewport: Viewport, surface: HostSurface, light: "RGBA16F" | "RGBA32F" | null): void {
     const drawer = this.#drawer;
     if (!drawer || drawer.count === 0) return;
@@ -66,7 +77,7 @@ export class HostedSplats {
     });
   }
 
-  /** Give back what is in the context, which stays the host's. */
+  /** Delete the contents of the context, which stays the host's. */
   dispose(): void {
     this.#listeners.abort();
     this.#drawer?.dispose();
@@ -90,7 +101,7 @@ export class HostedSplats {
   }
 }
 
-/** Rows that a texture can have on this device, before the host's renderer is known. */
+/** Texture rows that this device supports, before the host's renderer is known. */
 function mostRowsHere(): number {
   const gl = new OffscreenCanvas(1, 1).getContext("webgl2");
   const rows = gl?.getParameter(gl.MAX_TEXTURE_SIZE) ?? FEWEST_ROWS;

@@ -1,12 +1,12 @@
 /**
- * Keeps what drawing and filling splats changes in a context whose host remembers its own state. Blending, depth, culling and
- * masks are not among it: the host itself has set them for the material of the splats, as the drawer needs them.
+ * The preservation of state that drawing and filling splats changes in a host's context. Blending, depth, culling and
+ * masks are not part of it: the host itself has set them by the material of the splats.
  */
 
-/** Texture units that the drawer binds, from the first. */
+/** Texture units of the drawer, from the first. */
 const UNITS = [0, 1, 2, 3] as const;
 
-/** What rows of texels are read with when they are written to textures, and the drawer's values. */
+/** Parameters for reading rows of texels, with the drawer's values. */
 const UNPACKING = [
   ["UNPACK_ALIGNMENT", 4],
   ["UNPACK_ROW_LENGTH", 0],
@@ -16,7 +16,7 @@ const UNPACKING = [
   ["UNPACK_PREMULTIPLY_ALPHA_WEBGL", false],
 ] as const;
 
-/** Run what draws, then put back what it has bound. */
+/** Run a function that draws, then restore the bindings. */
 export function keepBindings<T>(gl: WebGL2RenderingContext, draw: () => T): T {
   const program = gl.getParameter(gl.CURRENT_PROGRAM);
   const vertexArray = gl.getParameter(gl.VERTEX_ARRAY_BINDING);
@@ -43,7 +43,7 @@ export function keepBindings<T>(gl: WebGL2RenderingContext, draw: () => T): T {
   }
 }
 
-/** Run what makes and fills textures and buffers, then put back how the host fills its own. */
+/** Run a function that creates and fills textures and buffers, then restore the host's parameters. */
 export function keepUnpacking<T>(gl: WebGL2RenderingContext, fill: () => T): T {
   const values = UNPACKING.map(([name]) => gl.getParameter(gl[name]));
   const buffer = gl.getParameter(gl.PIXEL_UNPACK_BUFFER_BINDING);

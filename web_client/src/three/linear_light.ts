@@ -1,6 +1,7 @@
 /**
- * Splats are blended as sRGB; a host's render targets hold linear light. So what a target holds is turned into sRGB where
- * splats are to be drawn, and back when they are: then they look as on a canvas, and what is behind them as before.
+ * The conversion of a target's linear light: splats are blended as sRGB, so the target's contents are converted to sRGB
+ * before splats are drawn, and back afterwards. Splats then look as on a canvas, and everything behind them is
+ * unchanged.
  */
 
 import { FloatType, HalfFloatType, RGBAFormat, type WebGLRenderTarget } from "three";
@@ -9,7 +10,7 @@ import presentVertexShader from "../renderer/present.vert?raw";
 import { Program } from "../renderer/program";
 import convertFragmentShader from "./linear_light.frag?raw";
 
-/** The format of a target's colours, if they are fine enough to be turned to and fro. */
+/** The format of a target's colours, if it is fine enough for conversions in both directions. */
 export function fineFormat({ texture }: WebGLRenderTarget): "RGBA16F" | "RGBA32F" | null {
   if (texture.format !== RGBAFormat) return null;
   return texture.type === HalfFloatType ? "RGBA16F" : texture.type === FloatType ? "RGBA32F" : null;
@@ -30,7 +31,10 @@ export class LinearLight {
     this.#framebuffer = gl.createFramebuffer();
   }
 
-  /** Run what draws sRGB into the bound framebuffer, which holds linear light in that format before and after. */
+  /**
+   * Run a function that draws sRGB into the bound framebuffer, which holds linear light in that format before and
+   * after.
+   */
   around(viewport: Viewport, format: "RGBA16F" | "RGBA32F", draw: () => void): void {
     this.#convert(viewport, format, false);
     draw();
@@ -44,7 +48,9 @@ export class LinearLight {
     this.#gl.deleteTexture(this.#texture);
   }
 
-  /** Leaves depth test and blending on, as draw and host have them; binds texture unit 0. */
+  /**
+   * Convert the target. Leaves depth test and blending on, as the drawer and the host have them; binds texture unit 0.
+   */
   #convert({ x, y, width, height }: Viewport, format: "RGBA16F" | "RGBA32F", linear: boolean): void {
     const gl = this.#gl;
     const target = gl.getParameter(gl.DRAW_FRAMEBUFFER_BINDING);
@@ -52,10 +58,10 @@ export class LinearLight {
     const scissor = gl.isEnabled(gl.SCISSOR_TEST);
     const [right, top] = [x + width, y + height];
     this.#make(right, top, format);
-    gl.disable(gl.SCISSOR_TEST); // else it cuts the copy
+    gl.disable(gl.SCISSOR_TEST); // otherwise it cuts the copy
     gl.bindFramebuffer(gl.READ_FRAMEBUFFER, target);
     gl.bindFramebuffer(gl.DRAW_FRAMEBUFFER, this.#framebuffer);
-    // To the same place: several samples a pixel cannot be copied elsewhere.
+    // To the same place: multisampled pixels cannot be copied elsewhere.
     gl.blitFramebuffer(x, y, right, top, x, y, right, top, gl.COLOR_BUFFER_BIT, gl.NEAREST);
     gl.bindFramebuffer(gl.READ_FRAMEBUFFER, read);
     gl.bindFramebuffer(gl.DRAW_FRAMEBUFFER, target);

@@ -1,4 +1,4 @@
-/** What stands for the splats in three.js' list of things to draw: a mesh without a triangle, drawn after opaque ones. */
+/** The splats' representative in three.js' list of objects: a mesh without triangles, drawn after opaque ones. */
 
 import {
   AddEquation,
@@ -21,8 +21,8 @@ import {
 import type { Box, Manifest } from "../codec/types";
 
 /**
- * By this material three.js itself sets blending, depth, culling and masks as splats need them, and knows that it has. It is
- * drawn among transparent things: after all opaque ones, so that their depth is there.
+ * The material by which three.js itself sets blending, depth, culling and masks for splats, and keeps track of them. It
+ * is drawn among transparent objects: after all opaque ones, so their depth is there.
  */
 function splatMaterial(): RawShaderMaterial {
   return new RawShaderMaterial({
@@ -44,22 +44,26 @@ function splatMaterial(): RawShaderMaterial {
 }
 
 export class SplatMesh extends Mesh<BufferGeometry, RawShaderMaterial> {
-  /** @param draw called when it is the splats' turn, with the state of the material set. */
+  /**
+   * Create the mesh.
+   *
+   * @param draw called at the splats' turn, with the state of the material set.
+   */
   constructor(draw: (renderer: WebGLRenderer, camera: Camera) => void) {
     super(new BufferGeometry().setAttribute("position", new Float32BufferAttribute([], 3)), splatMaterial());
-    this.frustumCulled = false; // each splat is, and the playhead moves on behind one's back too
+    this.frustumCulled = false; // each splat is, and the playhead may move on unnoticed
     this.geometry.boundingBox = new Box3();
     this.geometry.boundingSphere = new Sphere();
     this.onAfterRender = (renderer, _scene, camera, _geometry, material) => {
-      // With another material in its place, the host draws something else than a picture, such as depths.
+      // With another material in its place, the host draws something other than a picture, such as depths.
       if (material === this.material) draw(renderer, camera);
     };
   }
 
-  /** No ray meets it: it has no surface. */
+  /** Rays never hit it: it has no surface. */
   override raycast(): void {}
 
-  /** Take the room that the splats' centres are ever in, for whoever asks three.js for it. */
+  /** Set the bounds of the splats' centres at all times, for three.js' queries. */
   bound(manifest: Manifest): void {
     const chunks = [...manifest.static, ...manifest.slices.flatMap((slice) => slice.chunks)];
     const box = new Box3();

@@ -1,21 +1,22 @@
 /**
- * Orders for several views that a host draws in every frame, such as two viewports. Each view has an order of its own; they
- * are made one after another, and each waits here while another is in the drawer.
+ * Orders for several views that a host draws in every frame, such as two viewports. Each view has its own; they are
+ * made in turns, and kept here while another one is in the drawer.
  */
 
 import { eyeOf } from "../camera/pinhole";
 import { length, subtract } from "../camera/vector";
 import { TEXTURE_WIDTH } from "../renderer/layout";
 import type { OrderKey } from "../scene/order_requests";
-import { sameSight, sightOf } from "../scene/sight";
-import type { View } from "../scene/view";
+import { sameSight, sightOf, type View } from "../scene/view";
 
 export type Views = readonly [View, ...View[]];
 
-/** Views closer together than this, of the scene's extent, are those of two eyes: one order by distance does for them. */
+/**
+ * Distance of views, relative to the scene's extent, below which they are two eyes: one order by distance serves both.
+ */
 const EYES = 0.1;
 
-/** Whether one order can do for all the views. */
+/** Whether one order serves all the views. */
 export function areEyes(views: Views, extent: number): boolean {
   const [first, ...others] = views.map((view) => eyeOf(view.pose));
   return others.every((eye) => length(subtract(eye, first)) <= EYES * extent);
@@ -28,16 +29,16 @@ interface KeptOrder {
 }
 
 export class ViewOrders {
-  #kept: (KeptOrder | undefined)[] = []; // by the views' places in the frame
+  #kept: (KeptOrder | undefined)[] = []; // orders by the views' places in the frame
   #turn = 0;
-  #asked: View | null = null; // whom the next order is for
+  #asked: View | null = null; // view of the next order
 
-  /** Whose turn it is to have an order made, by its place; `time` and `version` are those of the scene now. */
+  /** The place of the next view to be ordered; `time` and `version` are the scene's present ones. */
   turn(views: Views, time: number, version: number): number {
     this.#kept.length = Math.min(this.#kept.length, views.length);
     if (this.#turn >= views.length) [this.#turn, this.#asked] = [0, null];
     if (this.#asked) return this.#turn;
-    // A view that has its quick order waits for its exact one before it is the others' turn.
+    // A view with a quick order gets its exact one before the others' turn.
     const first = this.#upToDate(this.#turn, views[this.#turn], time, version, false) ? 0 : 1;
     for (let step = first; step <= views.length; step++) {
       const place = (this.#turn + step) % views.length;
@@ -48,7 +49,7 @@ export class ViewOrders {
     return this.#turn;
   }
 
-  /** Keep an order that has come, in an array that is lent. False if it was asked for before it was anybody's turn. */
+  /** Keep a new order, in a borrowed array. False if it was requested before anybody's turn. */
   take(key: OrderKey, ids: Uint32Array, count: number): boolean {
     const awaited = this.#asked !== null && sameSight(sightOf([this.#asked]), key);
     if (awaited) {
@@ -64,12 +65,12 @@ export class ViewOrders {
     return this.#kept[place];
   }
 
-  /** What the orders are of that wait here. */
+  /** The keys of the orders kept here. */
   get keys(): OrderKey[] {
     return this.#kept.flatMap((order) => order?.key ?? []);
   }
 
-  /** Whether all views have an order that is exact, or one at all where that is enough. */
+  /** Whether all views have an order, and, if required, an exact one. */
   all(views: Views, time: number, version: number, exact: boolean): boolean {
     return views.every((view, place) => (exact ? this.#upToDate(place, view, time, version) : this.#kept[place]));
   }

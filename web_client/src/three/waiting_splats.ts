@@ -1,4 +1,6 @@
-/** Splats that have been decoded, until the host draws: only then its context may be touched, and is known at all. */
+/**
+ * Decoded splats that wait for the host to draw: before that, its context must not be touched, and is unknown at first.
+ */
 
 import type { SplatSink } from "../renderer/splat_drawer";
 
@@ -7,7 +9,11 @@ export class WaitingSplats implements SplatSink {
   #writes: ((sink: SplatSink) => void)[] = [];
   #order: Parameters<SplatSink["setOrder"]> | null = null;
 
-  /** @param mostRows tells how many rows a texture can have on this device. */
+  /**
+   * Collect splats.
+   *
+   * @param mostRows texture rows that this device supports.
+   */
   constructor(mostRows: () => number) {
     this.#mostRows = mostRows;
   }
@@ -16,7 +22,7 @@ export class WaitingSplats implements SplatSink {
     return this.#mostRows();
   }
 
-  /** Whether nothing waits. */
+  /** Whether there are none. */
   get empty(): boolean {
     return this.#writes.length === 0 && this.#order === null;
   }
@@ -33,12 +39,12 @@ export class WaitingSplats implements SplatSink {
     this.#writes.push((sink) => sink.writeDynamics(...splats));
   }
 
-  /** Comes once between two frames at most: an order is asked for in a frame. */
+  /** Called at most once between two frames: each order is requested in a frame. */
   setOrder(...order: Parameters<SplatSink["setOrder"]>): void {
     this.#order = order;
   }
 
-  /** Hand everything over, the order last: it names splats that must be there. Returns the order, if there is one. */
+  /** Pass everything on, the order last: it refers to splats that must be there. Returns the order, if there is one. */
   flush(sink: SplatSink): Parameters<SplatSink["setOrder"]> | null {
     for (const write of this.#writes) write(sink);
     this.#writes = [];

@@ -1,14 +1,14 @@
-/** Marked moments of a scene. They live as long as the page; a shared link carries them on. */
+/** Bookmarks: marked moments of a scene. They live as long as the page; a shared link contains them. */
 
 export interface Bookmarks {
   /** Seconds, ascending. */
   times: readonly number[];
 }
 
-/** Marks nearer than this are one, seconds. */
+/** Distance of marks below which they count as one, seconds. */
 const APART = 0.01;
 
-/** With a mark at a moment, or without the mark that is there. */
+/** The marks with a mark at a moment, or without the one there. */
 export function toggled(times: readonly number[], time: number): readonly number[] {
   const others = times.filter((mark) => Math.abs(mark - time) >= APART);
   return others.length === times.length ? [...others, time].sort((a, b) => a - b) : others;

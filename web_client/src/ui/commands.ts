@@ -1,35 +1,55 @@
-/** All that keys and the settings do with a player, and what they open over its picture. */
+/** The commands of keys and settings, and the panels that they open over the picture. */
 
 import { FlyMode } from "../camera/fly_mode";
-import { LatePart } from "../dom/late_part";
+import { element } from "../dom/element";
 import type { HgsPlayer } from "../player/hgs_player";
 import type { Bookmarks } from "./bookmarks";
 import { obey, playerKeys } from "./key_bindings";
-import { Message } from "./message";
+import { LatePart } from "./late_part";
 import { Panels } from "./panels";
 import { PlayerActions } from "./player_actions";
 import type { PageTool, WholePage } from "./player_view_options";
 import type { SharedView } from "./shared_view";
 
-/** The player's view, as far as commands reach it. */
+/** Time to read a line, milliseconds. */
+const STAY = 2500;
+
+export class Message {
+  readonly node = element("p", { class: "message", role: "status" });
+  #timer: ReturnType<typeof setTimeout> | undefined;
+
+  constructor(signal: AbortSignal) {
+    signal.addEventListener("abort", () => clearTimeout(this.#timer));
+  }
+
+  say(text: string): void {
+    clearTimeout(this.#timer);
+    this.node.textContent = text;
+    this.#timer = setTimeout(() => {
+      this.node.textContent = "";
+    }, STAY);
+  }
+}
+
+/** The parts of the player's view that commands need. */
 export interface CommandSurroundings {
   readonly bookmarks: Bookmarks;
   /** The bookmarks have changed. */
   keep(bookmarks: readonly number[]): void;
-  /** All of the player, in its shadow root. */
+  /** Root element of the player, in its shadow root. */
   readonly root: HTMLElement;
-  /** Where settings and statistics go. */
+  /** Container of settings and statistics. */
   readonly place: HTMLElement;
-  /** Opens the settings, and tells whether they are open. */
+  /** The button of the settings, with their open state. */
   readonly button: HTMLElement;
-  /** Where the player's keys are heard. */
+  /** Target of the player's key events. */
   readonly keys: EventTarget;
-  /** The address that opens on what is shared; left out where the page has none. */
+  /** The address that opens with the shared view; undefined if the page has none. */
   readonly link?: (shared: SharedView) => string;
-  /** Loads the tool that crops the scene; left out where the page has none. */
+  /** Loads the crop tool; undefined if the page has none. */
   readonly crop?: WholePage["crop"];
   toggleFullscreen(): void;
-  /** Say what went wrong. */
+  /** Show an error. */
   fail(text: string): void;
   /** The repeated stretch or the bookmarks have changed. */
   marked(): void;
@@ -69,7 +89,7 @@ export class Commands {
     this.#panels.toggleSettings();
   }
 
-  /** Obey a key. */
+  /** Execute a key's command. */
   press(event: KeyboardEvent): void {
     if (!this.#panels.help.open && !this.fly.uses(event)) this.#obey(event);
   }

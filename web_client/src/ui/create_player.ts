@@ -1,4 +1,4 @@
-/** A player with controls in one call. */
+/** A function that creates a player with controls. */
 
 import type { HgsPlayer } from "../player/hgs_player";
 import type { OpenSource } from "../source/scene_source";
@@ -6,12 +6,12 @@ import { PlayerView } from "./player_view";
 import type { PlayerViewOptions } from "./player_view_options";
 
 export interface CreatePlayerOptions extends PlayerViewOptions {
-  /** What to load at once. See `HgsPlayer.load`. */
+  /** The scene to load at once. See `HgsPlayer.load`. */
   readonly src?: string | OpenSource;
 }
 
 /**
- * Put a player with its controls into an element of the page, which it fills; `dispose()` takes it out again.
+ * Create a player with controls that fills an element of the page; `dispose()` removes it.
  *
  * @example
  * const player = createPlayer(document.querySelector("#scene"), { src: "studio/manifest.json", autoplay: true });
@@ -26,6 +26,6 @@ export function createPlayer(container: HTMLElement, options: CreatePlayerOption
   container.append(host);
   const { player } = new PlayerView(host, options);
   player.disposed.addEventListener("abort", () => host.remove());
-  if (options.src !== undefined) player.load(options.src).catch(() => {}); // what fails is told by `error`
+  if (options.src !== undefined) player.load(options.src).catch(() => {}); // `error` reports failures
   return player;
 }

@@ -1,9 +1,9 @@
-/** The whole screen for a player. */
+/** Full screen for a player. */
 
 /**
- * Give `host` the screen, or give it back if it has it.
+ * Enter full screen with `host`, or leave it.
  *
- * @throws Error with one line for people that says why the browser refuses.
+ * @throws Error with one line for people about the browser's refusal.
  */
 export async function toggleFullscreen(host: HTMLElement): Promise<void> {
   const root = host.getRootNode() as Document | ShadowRoot;

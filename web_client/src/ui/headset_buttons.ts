@@ -1,4 +1,4 @@
-/** Buttons that show the scene in a headset or in the room; each is there only where the browser and a device offer it. */
+/** Buttons for the scene in a headset or in the room, each visible only if the browser and a device offer it. */
 
 import { element, setAttribute, setText } from "../dom/element";
 import { adoptStyle } from "../dom/shadow_style";
@@ -59,11 +59,11 @@ export class HeadsetButtons {
       const session = await requestSession(xr, mode);
       session.addEventListener("end", () => this.#present(null));
       this.#present(session);
-      const { HeadsetSession } = await import("../xr/headset_session"); // for those who have a headset
+      const { HeadsetSession } = await import("../xr/headset_session"); // only for visitors with a headset
       await HeadsetSession.begin(session, this.player);
     } catch (error) {
       await this.#session?.end().catch(() => {}); // it may be over already
-      // biome-ignore lint/suspicious/noConsole: the page says it in plain words; this is the cause
+      // biome-ignore lint/suspicious/noConsole: the page has plain words for it; this is the cause
       console.warn(error);
       this.#refusal.hidden = false;
       setText(this.#refusal, describeRefusal(error));

@@ -6,7 +6,7 @@ import type { KeyGroup } from "./key_bindings";
 
 type Row = readonly [string, string];
 
-/** While flying: keys by where they lie, see `FlyMode`. */
+/** Keys of flying, by their positions, see `FlyMode`. */
 export const FLYING: readonly Row[] = [
   ["W, S", "Forward and back"],
   ["A, D", "Left and right"],
@@ -24,7 +24,7 @@ export const GESTURES: readonly Row[] = [
   ["Wheel", "Move closer or away"],
 ];
 
-/** How a key is written: "K", "Space, K". */
+/** The display of keys: "K", "Space, K". */
 export const shownKeys = ({ keys, shown }: { readonly keys: readonly string[]; readonly shown?: string }): string =>
   shown ?? keys.map((key) => (key.length === 1 ? key.toUpperCase() : key)).join(", ");
 
@@ -41,7 +41,7 @@ export class Help {
   constructor() {
     this.#close.append(icon(CLOSE));
     this.#close.addEventListener("click", () => this.node.close());
-    // Beside the box: only the dialog itself is there.
+    // A click beside the box hits the dialog itself.
     this.node.addEventListener("click", (event) => {
       if (event.target === this.node) this.node.close();
     });
@@ -56,7 +56,7 @@ export class Help {
     return this.node.open;
   }
 
-  /** Show the keys of the scene that is there. */
+  /** Show the keys for the present scene. */
   show(groups: readonly KeyGroup[]): void {
     const keys = groups.map(({ name, bindings }) =>
       table(
@@ -66,7 +66,7 @@ export class Help {
     );
     const gestures = table("Mouse and fingers", GESTURES);
     const flying = table("While flying", FLYING);
-    const fingers = matchMedia("(hover: none)").matches; // and most likely no keys
+    const fingers = matchMedia("(hover: none)").matches; // probably without a keyboard
     this.#groups.replaceChildren(...(fingers ? [gestures, ...keys, flying] : [...keys, flying, gestures]));
     this.node.showModal();
   }

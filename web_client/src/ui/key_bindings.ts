@@ -2,16 +2,20 @@ import type { HgsPlayer } from "../player/hgs_player";
 import { longSeekStep, type PlayerActions, rateAfter, seekStep } from "./player_actions";
 import { stepFrames, togglePlaying } from "./playing";
 import { steering } from "./steering";
-/** Keys and what they do: one table that the player obeys and its help shows. */
+/** Key bindings: one table for the player and its help. */
 
 export interface KeyBinding {
-  /** As `keyName` calls them. */
+  /** Names as by `keyName`. */
   readonly keys: readonly string[];
-  /** How the help writes them, where it is not as they are called. */
+  /** The help's display of the keys, if it differs from their names. */
   readonly shown?: string;
-  /** What they do, for people. */
+  /** The effect, for people. */
   readonly does: string;
-  /** @param key the one of `keys` that was pressed. */
+  /**
+   * The command.
+   *
+   * @param key the pressed one of `keys`.
+   */
   readonly action: (key: string) => void;
 }
 
@@ -20,13 +24,13 @@ export interface KeyGroup {
   readonly bindings: readonly KeyBinding[];
 }
 
-/** "k", "Shift+l", "Shift+ArrowLeft", "?": with Shift only where it does not already make another sign. */
+/** The name of a key: "k", "Shift+l", "Shift+ArrowLeft", "?"; with Shift only if it does not change the character. */
 export function keyName({ key, shiftKey }: KeyboardEvent): string {
   if (/^\p{L}$/u.test(key)) return (shiftKey ? "Shift+" : "") + key.toLowerCase();
   return shiftKey && key.length > 1 ? `Shift+${key}` : key;
 }
 
-/** A function that obeys a key that the table has, in place of what the browser would do. */
+/** A function that executes the table's keys in place of the browser's own actions. */
 export function obey(groups: readonly KeyGroup[]): (event: KeyboardEvent) => void {
   const actions = new Map<string, KeyBinding>();
   for (const { bindings } of groups) {
@@ -44,7 +48,7 @@ export function obey(groups: readonly KeyGroup[]): (event: KeyboardEvent) => voi
 const TURN = 0.06; // radians
 const ZOOM = 1.1;
 
-/** What keys reach beside the actions. */
+/** Targets of keys other than the actions. */
 export interface KeySurroundings {
   toggleStatistics(): void;
   toggleFullscreen(): void;
@@ -61,7 +65,7 @@ export function playerKeys(player: HgsPlayer, actions: PlayerActions, view: KeyS
     camera.zoom(factor);
     camera.release();
   };
-  /** In a scene in which nothing moves there is nothing to seek, and the arrows turn the camera. */
+  /** A still scene has no time to seek, so the arrows turn the camera. */
   const arrow = (direction: 1 | -1) => () =>
     actions.moves ? actions.seekBy(direction * seekStep(player.duration)) : turn(-direction * TURN, 0)();
   const playing = [

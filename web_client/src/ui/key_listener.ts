@@ -1,6 +1,6 @@
-/** Which keys pressed on a page are a player's. */
+/** The listener for a player's keys on a page. */
 
-/** Hear keys on `target` until `signal` aborts, unless `ignores` says that one is for somebody else. */
+/** Listen for keys on `target` until `signal` aborts, except those that `ignores` leaves to other elements. */
 export function listenForKeys(
   target: EventTarget,
   heard: (event: KeyboardEvent) => void,
@@ -9,11 +9,13 @@ export function listenForKeys(
 ): void {
   const listen = (event: KeyboardEvent): void => {
     if (event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey) return;
-    // The element that it is for may be inside a shadow root.
+    // The target of the key may be inside a shadow root.
     if (!ignores(event, event.composedPath()[0])) heard(event);
   };
   target.addEventListener("keydown", (event) => listen(event as KeyboardEvent), { signal });
 }
 
-/** Whether a key can be a player's, as far as that is known without its table: a sign, or one that moves through a page. */
+/**
+ * Whether a key may be in the player's table, before that is loaded: a character, or a key that moves through a page.
+ */
 export const mayBeObeyed = ({ key }: KeyboardEvent): boolean => key.length === 1 || /^(Arrow|Page|Home|End)/.test(key);

@@ -1,17 +1,17 @@
-/** What a player says over the picture: in the middle while there is none to see, else in a quiet line above the controls. */
+/** The notices over the picture: in the middle before the first picture, later in a quiet line above the controls. */
 
 import { element, icon, setText } from "../dom/element";
 import { formatBytes } from "../dom/format";
 import { CLOSE } from "../dom/icons";
 import type { PlayerStats } from "../player/player_types";
 
-/** A lost picture comes back within a moment or not at all, milliseconds. */
+/** Milliseconds in which a lost picture usually returns. */
 const PATIENCE = 5000;
 
-/** What goes on: no picture yet, the picture lost, the connection lost, waiting for data; or nothing to speak of. */
+/** Kinds of notices: no picture yet, a lost picture, a lost connection, waiting for data; or nothing. */
 export type NoticeKind = "loading" | "lost" | "aside" | "retrying" | "stalled" | "none";
 
-/** What there is to say about a player that waits for data if `stalled`. */
+/** The notice for a player, which waits for data if `stalled`. */
 export function noticeKind(stats: PlayerStats, stalled: boolean): NoticeKind {
   if (stats.contextLost) return "lost";
   if (stats.firstFrame === null) return "loading";
@@ -21,7 +21,7 @@ export function noticeKind(stats: PlayerStats, stalled: boolean): NoticeKind {
   return stalled ? "stalled" : "none";
 }
 
-/** The words for it. */
+/** The sentence for it. */
 export function describeNotice(kind: NoticeKind, stats: PlayerStats): string {
   const share = `${formatBytes(stats.bytes)} of ${formatBytes(stats.bytesTotal)}`;
   const retrying = "Connection lost. Trying again…";
@@ -45,11 +45,11 @@ export function describeNotice(kind: NoticeKind, stats: PlayerStats): string {
 const DAMAGED = "A part of this scene is damaged and cannot be shown.";
 const LOST_FOR_LONG = "The picture has not come back. Reloading the page should help.";
 
-/** The ways out of a failure. */
+/** The exits from a failure. */
 export interface WaysOut {
   /** Load the page or the scene again. */
   reload(): void;
-  /** Address of the page that leads to other scenes; null if there is none. */
+  /** Address of the page with other scenes; null if there is none. */
   readonly home: string | null;
 }
 
@@ -84,7 +84,7 @@ export class Notices {
     this.#show("loading");
   }
 
-  /** A scene is being loaded; what was said of the last one is over. */
+  /** Remove the notices of the last scene: another one is loading. */
   begin(): void {
     this.#told.clear();
     this.#remark.hidden = true;
@@ -95,8 +95,8 @@ export class Notices {
   }
 
   /**
-   * Say what has gone wrong. Without a picture it stays, with the ways out; over a picture it is a line that can be put
-   * away. The first problem stands until then, and none is told twice.
+   * Show an error. Without a picture it stays, with the exits; over a picture it is a line that can be closed. The
+   * first error stays until then, and none is shown twice.
    */
   fail(message: string): void {
     if (!this.#remark.hidden || this.#told.has(message)) return;
@@ -109,7 +109,7 @@ export class Notices {
 
   update(stats: PlayerStats, stalled: boolean): void {
     if (stats.lostChunks > 0) this.fail(DAMAGED);
-    else if (this.#problem.textContent === DAMAGED) this.#remark.hidden = true; // it has come after all
+    else if (this.#problem.textContent === DAMAGED) this.#remark.hidden = true; // the chunk has arrived after all
     const kind = noticeKind(stats, stalled);
     if (kind !== this.#kind) this.#show(kind);
     if (stats.bytesTotal > 0) this.#bar.value = stats.bytes / stats.bytesTotal;
@@ -128,7 +128,7 @@ export class Notices {
     if (kind === "lost") this.#timer = setTimeout(() => this.#giveUp(), PATIENCE);
   }
 
-  /** The picture may still come, but nobody should wait for it. */
+  /** Show a lasting error: the picture may still return, but nobody should wait for it. */
   #giveUp(): void {
     this.#late = true;
     this.#reload.hidden = false;

@@ -1,4 +1,4 @@
-/** What opens over the picture when it is asked for: settings, statistics, help. */
+/** The panels over the picture: settings, statistics, help. */
 
 import { element } from "../dom/element";
 import { adoptStyle } from "../dom/shadow_style";
@@ -11,15 +11,17 @@ import { SettingsMenu } from "./settings_menu";
 import { StatsPanel } from "./stats_panel";
 
 export class Panels {
-  /** Settings and statistics; the help is a dialog by itself. */
+  /** Settings and statistics; the help is a separate dialog. */
   readonly node = element("div");
   readonly help = new Help();
   readonly #statistics: StatsPanel;
   #menu: SettingsMenu | null = null;
 
   /**
-   * @param root all of the player, in its shadow root.
-   * @param button opens the settings, and tells whether they are open.
+   * Create the panels.
+   *
+   * @param root root element of the player, in its shadow root.
+   * @param button opens the settings, and has their open state.
    */
   constructor(
     readonly player: HgsPlayer,
@@ -53,12 +55,12 @@ export class Panels {
     this.help.show(this.keys);
   }
 
-  /** Show what is chosen. */
+  /** Show the current choices. */
   update(): void {
     this.#menu?.update();
   }
 
-  /** The settings are those of a scene. */
+  /** Create the settings of the present scene. */
   #begin(): void {
     this.#menu = new SettingsMenu(this.player, this.actions, this, this.root, this.button);
     this.node.replaceChildren(this.#menu.node, this.#statistics.node);

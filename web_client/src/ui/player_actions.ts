@@ -1,18 +1,18 @@
-/** What keys and menu entries do with a player and its scene. What cannot be seen at once is said in a line. */
+/** The actions of keys and menu entries on a player and its scene. A line confirms those without a visible effect. */
 
 import type { FlyMode } from "../camera/fly_mode";
+import { element } from "../dom/element";
 import { formatTime } from "../dom/format";
 import type { HgsPlayer } from "../player/hgs_player";
 import { toggleMuted } from "../sound/muting";
 import { type Bookmarks, neighbour, toggled } from "./bookmarks";
 import { moves } from "./playing";
-import { savePicture } from "./save_picture";
 import type { SharedView } from "./shared_view";
 
 /** Rates to choose from, scene seconds per second. */
 export const RATES = [0.25, 0.5, 0.75, 1, 1.25, 1.5, 2] as const;
 
-/** How far an arrow key and j or l go, seconds: as on video pages, and no more than a share of a short scene. */
+/** Step of an arrow key and of j or l, seconds: that of video pages, and no more than a share of a short scene. */
 export const seekStep = (duration: number): number => Math.min(5, duration / 10);
 export const longSeekStep = (duration: number): number => Math.min(10, duration / 5);
 
@@ -22,21 +22,21 @@ export function rateAfter(rate: number, steps: 1 | -1): number {
   return next ?? rate;
 }
 
-/** What the actions reach beyond the player. */
+/** The parts of the page that actions need beside the player. */
 export interface ActionSurroundings {
   readonly fly: FlyMode;
   readonly bookmarks: Bookmarks;
   /** The bookmarks have changed. */
   keep(bookmarks: readonly number[]): void;
-  /** Say what was done. */
+  /** Show a confirmation. */
   say(text: string): void;
-  /** Say what went wrong. */
+  /** Show an error. */
   fail(text: string): void;
-  /** Something that the controls show has changed. */
+  /** A state of the controls has changed. */
   changed(): void;
-  /** The address that opens on what is shared; null where the page has none. */
+  /** The address that opens with the shared view; null if the page has none. */
   readonly link: ((shared: SharedView) => string) | null;
-  /** Draw a box to crop the scene to, or be done with it; null where the page has no such tool. */
+  /** Open or close the crop tool; null if the page has none. */
   readonly toggleCrop: (() => void) | null;
 }
 
@@ -63,7 +63,7 @@ export class PlayerActions {
     this.surroundings.say(formatTime(time - this.player.start));
   }
 
-  /** Go to a share of the scene. */
+  /** Move the playhead to a share of the scene. */
   jump(share: number): void {
     if (this.moves) this.seekTo(this.player.start + share * this.player.duration);
   }
@@ -153,11 +153,11 @@ export class PlayerActions {
       await navigator.clipboard.writeText(address);
       say("Link copied");
     } catch {
-      fail(`This browser does not allow copying. The link: ${address}`); // as on http without a certificate
+      fail(`This browser does not allow copying. The link: ${address}`); // pages over http without a certificate
     }
   }
 
-  /** Hand out what is seen as a file. */
+  /** Save the picture as a file. */
   async savePicture(): Promise<void> {
     const { say, fail } = this.surroundings;
     try {
@@ -171,4 +171,28 @@ export class PlayerActions {
     this.surroundings.say(text);
     this.surroundings.changed();
   }
+}
+
+/**
+ * "studio 0m01.20s.png": a file name from a scene's title and a time, seconds; without characters that file systems
+ * refuse.
+ */
+export function pictureName(title: string, time: number): string {
+  const hundredths = Math.round(100 * Math.max(0, time));
+  const seconds = ((hundredths % 6000) / 100).toFixed(2).padStart(5, "0");
+  const name = title.replace(/[^\p{L}\p{N}._-]+/gu, " ").trim() || "scene";
+  return `${name} ${Math.floor(hundredths / 6000)}m${seconds}s.png`;
+}
+
+/**
+ * Save the player's picture in the best quality by the browser; returns the name of the file.
+ *
+ * @throws Error if nothing has been drawn yet.
+ */
+export async function savePicture(player: HgsPlayer): Promise<string> {
+  const name = pictureName(player.manifest?.title ?? "", player.currentTime - player.start);
+  const address = URL.createObjectURL(await player.screenshot());
+  element("a", { href: address, download: name }).click();
+  setTimeout(() => URL.revokeObjectURL(address), 60_000); // the browser may read it late
+  return name;
 }

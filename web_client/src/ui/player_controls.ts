@@ -1,34 +1,36 @@
-/** The bars over a player's picture: title and buttons above, play, timeline and time below. Loaded where controls are shown. */
+/**
+ * The bars over a player's picture: title and buttons above, play, timeline and time below. Loaded with the controls.
+ */
 
 import type { Manifest } from "../codec/types";
 import { element, icon } from "../dom/element";
 import { BACK, FULLSCREEN, SETTINGS } from "../dom/icons";
 import { adoptStyle } from "../dom/shadow_style";
 import type { HgsPlayer } from "../player/hgs_player";
+import { offeredModes } from "../xr/offer";
 import type { Bookmarks } from "./bookmarks";
-import { offerHeadset } from "./headset_offer";
-import { IdleHiding } from "./idle_hiding";
+import { LatePart } from "./late_part";
 import css from "./player_controls.css?inline";
 import { Transport } from "./transport";
 
-/** What the bars are part of. */
+/** The view around the bars. */
 export interface ControlledView {
   readonly bookmarks: Bookmarks;
-  /** All of the player, in its shadow root. */
+  /** Root element of the player, in its shadow root. */
   readonly root: HTMLElement;
-  /** Where the bars go. */
+  /** Container of the bars. */
   readonly place: HTMLElement;
   readonly title: HTMLElement;
-  /** Opens the settings, and tells whether they are open. */
+  /** The button of the settings, with their open state. */
   readonly settings: HTMLElement;
-  /** What commands open, between the bars. */
+  /** Container of the commands' panels, between the bars. */
   readonly panels: HTMLElement;
-  /** Where the player's keys are heard. */
+  /** Target of the player's key events. */
   readonly keys: EventTarget;
-  /** Address of the page that leads to other scenes; null if there is none. */
+  /** Address of the page with other scenes; null if there is none. */
   readonly home: string | null;
   toggleSettings(): void;
-  /** Null where the browser cannot fill the screen with an element: on a phone of Apple only videos can. */
+  /** Null if the browser has no full screen for elements, such as on iPhones, which have it for videos only. */
   readonly toggleFullscreen: (() => void) | null;
 }
 
@@ -49,7 +51,7 @@ export class PlayerControls {
     new IdleHiding(root, keys, () => !player.paused, player.disposed);
   }
 
-  /** Begin with the scene that the player has now. */
+  /** Start with the present scene. */
   show(manifest: Manifest): void {
     const { player, view } = this;
     const { home, toggleFullscreen } = view;
@@ -80,20 +82,20 @@ export class PlayerControls {
     this.#transport?.timeline.mark();
   }
 
-  /** There is no scene any more. */
+  /** Clear the bars: there is no scene any more. */
   clear(): void {
     this.#transport = null;
     this.view.place.replaceChildren();
   }
 
-  /** A player that cannot load the controls is as it was; the scene's sound fails in the same way, and says so. */
+  /** A player without these controls works on; the scene's sound fails in the same way, with an error. */
   async #showSound({ node }: Transport): Promise<void> {
     const controls = await import("./sound_controls").catch(() => null);
     controls?.addSoundControls(this.player, node);
   }
 }
 
-/** Make a button or a link a round one with an icon. */
+/** Turn a button or a link into a round one with an icon. */
 function dress(round: HTMLElement, label: string, path: string): HTMLElement {
   if (round instanceof HTMLButtonElement) round.type = "button";
   round.className = "round";
@@ -101,4 +103,64 @@ function dress(round: HTMLElement, label: string, path: string): HTMLElement {
   round.setAttribute("aria-label", label);
   round.append(icon(path));
   return round;
+}
+
+/** An element that holds the headset buttons once there is a use for them, until the player is disposed of. */
+export function offerHeadset(player: HgsPlayer, shadow: ShadowRoot): HTMLElement {
+  const place = element("div");
+  const { xr } = navigator;
+  const buttons = new LatePart(
+    async () => {
+      const { HeadsetButtons } = await import("./headset_buttons"); // only for visitors with a headset
+      return new HeadsetButtons(player, shadow);
+    },
+    // biome-ignore lint/suspicious/noConsole: no visitor has requested a headset yet
+    (message, cause) => console.warn(message, cause),
+    player.disposed,
+  );
+  const offer = async (): Promise<void> => {
+    if ((await offeredModes(xr)).length > 0) buttons.use(({ node }) => place.replaceChildren(node));
+  };
+  void offer();
+  xr?.addEventListener("devicechange", () => void offer(), { signal: player.disposed });
+  return place;
+}
+
+const IDLE = 3000; // ms
+
+export class IdleHiding {
+  #timer: ReturnType<typeof setTimeout> | undefined;
+
+  /**
+   * Hide the controls while the scene plays without input.
+   *
+   * @param keys target of the player's key events.
+   */
+  constructor(
+    readonly root: HTMLElement,
+    keys: EventTarget,
+    readonly playing: () => boolean,
+    signal: AbortSignal,
+  ) {
+    for (const type of ["pointermove", "pointerdown", "focusin"]) {
+      root.addEventListener(type, () => this.#wake(), { signal, passive: true });
+    }
+    keys.addEventListener("keydown", () => this.#wake(), { signal, passive: true });
+    signal.addEventListener("abort", () => clearTimeout(this.#timer));
+    this.#wake();
+  }
+
+  #wake(): void {
+    this.root.classList.remove("idle");
+    clearTimeout(this.#timer);
+    this.#timer = setTimeout(() => this.#sleep(), IDLE);
+  }
+
+  #sleep(): void {
+    const used = this.root.querySelector(
+      ".transport :focus-visible, .top-bar :focus-visible, .menu:not([hidden]), dialog[open]",
+    );
+    if (this.playing() && !used) this.root.classList.add("idle");
+    else this.#timer = setTimeout(() => this.#sleep(), IDLE);
+  }
 }

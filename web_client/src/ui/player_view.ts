@@ -1,27 +1,26 @@
-/** A player with its controls, inside one element of a page: nothing of it reaches the page, and nothing of the page reaches it. */
+/** A player with its controls, inside one element of a page, isolated from the page in both directions. */
 
 import { listenForGestures } from "../camera/gestures";
 import { element } from "../dom/element";
-import { LatePart } from "../dom/late_part";
 import { adoptStyle } from "../dom/shadow_style";
 import { HgsPlayer } from "../player/hgs_player";
 import type { Bookmarks } from "./bookmarks";
 import type { Commands } from "./commands";
 import { toggleFullscreen } from "./full_screen";
 import { listenForKeys, mayBeObeyed } from "./key_listener";
+import { LatePart } from "./late_part";
 import { Notices } from "./notices";
-import { pauseOutOfSight } from "./out_of_sight";
 import css from "./player.css?inline";
 import type { PlayerControls } from "./player_controls";
 import type { PlayerViewOptions } from "./player_view_options";
-import { togglePlaying } from "./playing";
+import { pauseOutOfSight, togglePlaying } from "./playing";
 import { steering } from "./steering";
 
 const LABEL = "Scene; drag to turn, click to play or pause, press ? for all keys";
 
 export class PlayerView {
   readonly player: HgsPlayer;
-  /** The element with all of it; keys pressed while the focus is inside are the player's. */
+  /** The root element; keys pressed while the focus is inside are the player's. */
   readonly root = element("div", { class: "player" });
   readonly #options: PlayerViewOptions;
   readonly #host: HTMLElement;
@@ -38,12 +37,16 @@ export class PlayerView {
   readonly #notices: Notices;
   readonly #commands: LatePart<Commands>;
   readonly #bars: LatePart<PlayerControls>;
-  readonly #panels = element("div"); // that commands open
+  readonly #panels = element("div"); // panels of commands
   readonly #settings = element("button", { "aria-expanded": "false" });
   readonly #keys: EventTarget;
   readonly #bookmarks: Bookmarks;
 
-  /** @param host gets a shadow root, unless it has an open one that is empty. */
+  /**
+   * Create a player in an element.
+   *
+   * @param host gets a shadow root, unless it has an open one that is empty.
+   */
   constructor(host: HTMLElement, options: PlayerViewOptions = {}) {
     this.#host = host;
     this.#options = options;
@@ -88,31 +91,31 @@ export class PlayerView {
     if (!this.#controls.hidden) this.#bars.use((bars) => this.#showControls(bars));
   }
 
-  /** Address of the picture to show while the scene has none. */
+  /** Address of the picture before the scene's first one. */
   set poster(address: string | null) {
-    // A page may have painted it on the host, before there was a player.
+    // A page may have painted it on the host before the player existed.
     const painted = getComputedStyle(this.#host).backgroundImage.includes("url(");
     if (address && !painted) this.#poster.src = address;
     else this.#poster.removeAttribute("src");
     this.#showPoster();
   }
 
-  /** What the scene is called, over the picture. */
+  /** The scene's title, over the picture. */
   set title(title: string) {
     this.#title.textContent = title;
   }
 
-  /** Fill the screen, or leave it; says why if that fails. */
+  /** Enter or leave full screen; shows an error if that fails. */
   toggleFullscreen(): void {
     void toggleFullscreen(this.#host).catch((error: Error) => this.#notices.fail(error.message));
   }
 
-  /** Say in the player that something is wrong, one line for people. */
+  /** Show an error in the player, one line for people. */
   fail(message: string): void {
     this.#notices.fail(message);
   }
 
-  /** Stop and give everything back; the host stays, empty. */
+  /** Stop and release everything; the host stays, empty. */
   dispose(): void {
     this.player.dispose();
     this.#host.shadowRoot?.replaceChildren();
@@ -155,7 +158,7 @@ export class PlayerView {
     player.addEventListener(
       "error",
       ({ detail }) => {
-        // biome-ignore lint/suspicious/noConsole: the player says it in plain words; this is the cause
+        // biome-ignore lint/suspicious/noConsole: the player has plain words for it; this is the cause
         console.error(detail.cause);
         notices.fail(detail.message);
       },
@@ -175,7 +178,7 @@ export class PlayerView {
   }
 
   async #loadControls(): Promise<PlayerControls> {
-    const { PlayerControls } = await import("./player_controls"); // the first picture needs none
+    const { PlayerControls } = await import("./player_controls"); // not needed for the first picture
     return new PlayerControls(this.player, {
       bookmarks: this.#bookmarks,
       root: this.root,
@@ -191,7 +194,7 @@ export class PlayerView {
   }
 
   async #loadCommands(): Promise<Commands> {
-    const { Commands } = await import("./commands"); // for those who press a key or open the settings
+    const { Commands } = await import("./commands"); // needed for keys and settings
     const { page } = this.#options;
     return new Commands(this.player, {
       bookmarks: this.#bookmarks,
@@ -226,14 +229,14 @@ export class PlayerView {
     const heard = (event: KeyboardEvent) => {
       if (!commands.here) {
         if (!mayBeObeyed(event)) return;
-        event.preventDefault(); // until it is known what the key does
+        event.preventDefault(); // the key's command is not loaded yet
       }
       commands.use((all) => all.press(event));
     };
     const ignores = (event: KeyboardEvent, control: EventTarget) =>
       player.manifest === null ||
       control instanceof HTMLSelectElement ||
-      ([" ", "Enter"].includes(event.key) && control instanceof HTMLButtonElement); // which it presses
+      ([" ", "Enter"].includes(event.key) && control instanceof HTMLButtonElement); // the key presses the button
     listenForKeys(this.#keys, heard, ignores, signal);
   }
 }

@@ -1,37 +1,37 @@
-/** What a player with controls is made from. */
+/** Options of a player with controls. */
 
 import type { HgsPlayer } from "../player/hgs_player";
 import type { HgsPlayerOptions } from "../player/hgs_player_events";
 import type { SharedView } from "./shared_view";
 
-/** Something of a page's own over the picture. */
+/** A page's own tool over the picture. */
 export interface PageTool {
   toggle(): void;
 }
 
-/** What a page that is a player alone adds. */
+/** The parts of a page with nothing but a player. */
 export interface WholePage {
-  /** Address of the page that leads to other scenes. */
+  /** Address of the page with other scenes. */
   readonly home: string;
   /** Load the page again. */
   reload(): void;
-  /** The address of the page that opens on what is shared; left out where there is none. */
+  /** The address of the page that opens with the shared view; undefined if there is none. */
   link?(shared: SharedView): string;
   /** The bookmarks have changed, seconds; the page may keep them in its address. */
   keep?(bookmarks: readonly number[]): void;
-  /** Loads the tool that crops the scene, inside all of the player, `root`; left out where there is none. */
+  /** Load the crop tool, inside the player's root element; undefined if there is none. */
   crop?(player: HgsPlayer, root: HTMLElement): Promise<PageTool>;
 }
 
 export interface PlayerViewOptions extends HgsPlayerOptions {
-  /** Whether to show controls and obey keys, taps and drags; true if left out. */
+  /** Whether to show controls and handle keys, taps and drags; default true. */
   readonly controls?: boolean;
-  /** What to call the scene until it says so itself. */
+  /** The title until the manifest has arrived. */
   readonly title?: string;
-  /** Address of a picture to show until the scene has one of its own. */
+  /** Address of a picture before the scene's first one. */
   readonly poster?: string | null;
-  /** Marked moments to begin with, seconds. */
+  /** Initial bookmarks, seconds. */
   readonly bookmarks?: readonly number[];
-  /** For a page that is a player alone: all keys and the wheel are the player's. Left out in a page with other things. */
+  /** For a page with nothing but a player: all keys and the wheel are the player's. Undefined for other pages. */
   readonly page?: WholePage;
 }

@@ -1,10 +1,9 @@
-/** All that is seldom needed, behind one button: quality, camera, speed, repeating, bookmarks, links, pictures, help. */
+/** The settings menu: quality, camera, speed, repeating, bookmarks, links, pictures, help. */
 
 import { element } from "../dom/element";
 import { formatTime } from "../dom/format";
 import type { HgsPlayer } from "../player/hgs_player";
-import { QUALITIES, type Quality } from "../renderer/quality_names";
-import { readableCameraNames } from "./camera_names";
+import type { Quality } from "../renderer/fineness";
 import { type PlayerActions, RATES } from "./player_actions";
 
 const QUALITY_NAMES: Readonly<Record<Quality, string>> = {
@@ -14,7 +13,7 @@ const QUALITY_NAMES: Readonly<Record<Quality, string>> = {
   low: "Low",
 };
 
-/** What the menu opens and closes beside itself. */
+/** The parts beside the menu that it opens and closes. */
 export interface MenuSurroundings {
   readonly statisticsShown: boolean;
   toggleStatistics(): void;
@@ -33,7 +32,7 @@ export class SettingsMenu {
   readonly #marks = element("div", { class: "menu-marks" });
   readonly #gone = new AbortController();
 
-  /** For the scene that the player shows now; `root` is all of the player, `button` tells whether the menu is open. */
+  /** Create the menu for the present scene; `root` is the player's root element, `button` has the menu's open state. */
   constructor(
     readonly player: HgsPlayer,
     readonly actions: PlayerActions,
@@ -42,7 +41,7 @@ export class SettingsMenu {
     readonly button: HTMLElement,
   ) {
     const { camera } = player;
-    choose(this.#quality, QUALITIES, (quality) => QUALITY_NAMES[quality]);
+    choose(this.#quality, Object.keys(QUALITY_NAMES) as Quality[], (quality) => QUALITY_NAMES[quality]);
     this.#quality.addEventListener("change", () => {
       player.quality = this.#quality.value as Quality;
     });
@@ -97,7 +96,7 @@ export class SettingsMenu {
     this.#show(this.node.hidden === true);
   }
 
-  /** Show what is chosen. */
+  /** Show the current choices. */
   update(): void {
     const { player, actions, view } = this;
     this.#quality.value = player.quality;
@@ -117,7 +116,7 @@ export class SettingsMenu {
     );
   }
 
-  /** Another scene takes the place of this one. */
+  /** Remove the menu: another scene is loading. */
   dispose(): void {
     this.#show(false);
     this.#gone.abort();
@@ -129,14 +128,14 @@ export class SettingsMenu {
     if (shown) this.update();
   }
 
-  /** Close before doing what is then to be seen. */
+  /** Close the menu before an action with a visible effect. */
   #close(then: () => unknown): void {
     this.#show(false);
     this.button.focus();
     then();
   }
 
-  /** Esc closes the menu, and so does a press anywhere else. */
+  /** Close the menu on Esc and on a press anywhere else. */
   #closeBeside(root: HTMLElement): void {
     const inside = (event: Event) => event.composedPath().some((part) => part === this.node || part === this.button);
     const signal = AbortSignal.any([this.#gone.signal, this.player.disposed]);
@@ -167,7 +166,7 @@ const row = (label: string, control: HTMLElement) =>
 
 const group = (...children: HTMLElement[]) => element("div", { class: "menu-group" }, ...children);
 
-/** The key in brackets is for eyes, not a part of the name. */
+/** A menu entry; the key in brackets is not a part of its accessible name. */
 function command(label: string, onclick: () => void): HTMLButtonElement {
   const [, name, key] = /^(.*?)(?: \((.*)\))?$/.exec(label) as unknown as [string, string, string | undefined];
   return element(
@@ -185,3 +184,23 @@ function toggle(label: string, onclick: () => void): HTMLButtonElement {
 }
 
 const press = (button: HTMLButtonElement, pressed: boolean) => button.setAttribute("aria-pressed", String(pressed));
+
+/**
+ * The displayed names, in the same order: "cam00" as "Camera 0", "frame_00012.jpg" as "Frame 12", "left-side" as "Left
+ * side". Names that would become equal stay unchanged.
+ */
+export function readableCameraNames(names: readonly string[]): readonly string[] {
+  const readable = names.map(readableName);
+  return names.map((name, i) => (readable.filter((other) => other === readable[i]).length > 1 ? name : readable[i]));
+}
+
+function readableName(name: string): string {
+  const words = name
+    .replace(/\.(?:jpe?g|png|webp|tiff?|exr|mp4|mov)$/i, "")
+    .replace(/[_\s-]+/g, " ")
+    .replace(/(\p{L})(\d)/gu, "$1 $2")
+    .replace(/\b0+(?=\d)/g, "")
+    .replace(/^cam(?=\s|$)/i, "camera")
+    .trim();
+  return words === "" ? name : words[0].toUpperCase() + words.slice(1);
+}

@@ -1,13 +1,13 @@
-/** What a link to a moment and a place of a scene carries: the parameters of a viewer page's address. */
+/** The shared view of a scene in a link: the parameters of a viewer page's address. */
 
 import type { Viewing } from "../player/viewpoint";
 
 export interface SharedView {
   /** Seconds on the scene's clock. */
   readonly time: number;
-  /** Whether the scene stands. */
+  /** Whether the scene is paused. */
   readonly paused: boolean;
-  /** The capture camera whose lens is looked through; null for the first. */
+  /** The capture camera with the view's lens; null for the first. */
   readonly camera: string | null;
   readonly view: Viewing | null;
   /** Seconds. */
@@ -19,7 +19,7 @@ export interface SharedView {
 const short = (value: number): string => String(Number(value.toPrecision(7)));
 const list = (values: readonly number[]): string => values.map(short).join(",");
 
-/** The address of a viewer page that opens on the same picture; what `page` asks for otherwise, such as `antialiased`, stays. */
+/** The address of a viewer page with a view; further parameters of `page`, such as `antialiased`, stay. */
 export function sharedLink(page: string, { time, paused, camera, view, loopRange, bookmarks }: SharedView): string {
   return withParameters(page, {
     t: short(time),
@@ -35,13 +35,13 @@ export function sharedLink(page: string, { time, paused, camera, view, loopRange
 export const linkWithBookmarks = (page: string, bookmarks: readonly number[]): string =>
   withParameters(page, { marks: list(bookmarks) || null });
 
-/** The address with these parameters; null takes one away. */
+/** The address with these parameters; null removes one. */
 function withParameters(page: string, parameters: Readonly<Record<string, string | null>>): string {
   const address = new URL(page);
   for (const [name, value] of Object.entries(parameters)) {
     if (value === null) address.searchParams.delete(name);
     else address.searchParams.set(name, value);
   }
-  address.search = address.searchParams.toString().replaceAll("%2C", ","); // which needs no escape
+  address.search = address.searchParams.toString().replaceAll("%2C", ","); // commas need no escape
   return address.href;
 }

@@ -12,7 +12,7 @@ const QUIET = "M4 9v6h4l5 4.5v-15L8 9zm11.2-1.6v2a3 3 0 0 1 0 5.2v2a5 5 0 0 0 0-
 const MUTED =
   "M4 9v6h4l5 4.5v-15L8 9zm17.5 1.2-1.3-1.3-2.2 2.2-2.2-2.2-1.3 1.3 2.2 2.2-2.2 2.2 1.3 1.3 2.2-2.2 2.2 2.2 1.3-1.3-2.2-2.2z";
 
-/** Put the controls into a player's bar, of the scene that it shows now. */
+/** Add the controls to a player's bar, for the present scene. */
 export function addSoundControls(player: HgsPlayer, bar: HTMLElement): void {
   adoptStyle(bar.getRootNode() as ShadowRoot, css);
   const mute = element("button", { type: "button", class: "round mute" });

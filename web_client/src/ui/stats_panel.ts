@@ -5,7 +5,7 @@ import { formatBytes } from "../dom/format";
 import type { HgsPlayer } from "../player/hgs_player";
 import type { PlayerStats } from "../player/player_types";
 
-/** Often enough to follow, and slowly enough to read, milliseconds. */
+/** Milliseconds between updates: often enough to follow, slowly enough to read. */
 const REFRESH = 500;
 const NO_SOCKETS = "HTTP: no WebSockets here";
 const STREAM_NAMES = {
@@ -16,12 +16,12 @@ const STREAM_NAMES = {
   closed: "closed",
 };
 
-/** For a figure that means nothing now. */
+/** Display of a figure without a meaning now. */
 const NOTHING = "–";
 
 type Figures = Readonly<Record<string, string>>;
 
-/** The picture's size, in its own pixels, and how finely it is to be drawn. */
+/** The picture's size, in its own pixels, and its quality. */
 type ShownPicture = Pick<HgsPlayer, "width" | "height" | "quality">;
 
 /** The panel's rows, from top to bottom. */
@@ -79,7 +79,7 @@ export class StatsPanel {
   }
 }
 
-/** "512 kbit/s", "1.9 Mbit/s" of bytes per second, as lines are sold. */
+/** Bytes per second as "512 kbit/s" or "1.9 Mbit/s", the units of network connections. */
 export function formatBitRate(bytesPerSecond: number): string {
   const kilobits = (8 * bytesPerSecond) / 1000;
   return kilobits < 999.5 ? `${Math.round(kilobits)} kbit/s` : `${(kilobits / 1000).toFixed(1)} Mbit/s`;

@@ -1,15 +1,15 @@
-/** The camera as drags and keys move it: they turn it about the scene, or look around while it flies. */
+/** Steering by drags and keys: they turn the camera about the scene, or, in flight, about itself. */
 
 import type { FlyMode } from "../camera/fly_mode";
 import type { CameraMotion } from "../camera/gestures";
 
-/** A camera that can do both. */
+/** A camera for both. */
 export interface SteeredCamera extends CameraMotion {
-  /** To its left and upwards, radians. */
+  /** Turn to its left and upwards, radians. */
   lookAround(yaw: number, pitch: number): void;
 }
 
-/** In both ways what is seen follows the hand. */
+/** The steering; in both modes the picture follows the hand. */
 export function steering(camera: SteeredCamera, fly: Pick<FlyMode, "active">): CameraMotion {
   return {
     turn: (yaw, pitch) => {

@@ -1,4 +1,4 @@
-/** The time under the pointer, over the bar that shows and moves the playhead. */
+/** The time under the pointer, over the timeline. */
 
 import { element, setText } from "../dom/element";
 import { formatTime } from "../dom/format";
@@ -6,10 +6,10 @@ import { adoptStyle } from "../dom/shadow_style";
 import type { HgsPlayer } from "../player/hgs_player";
 import css from "./time_bubble.css?inline";
 
-/** Half of the knob's width, CSS pixels: so far from its ends the bar's first and last moment lie. */
+/** Half of the knob's width, CSS pixels: the distance of the bar's first and last moment from its ends. */
 const KNOB = 8;
 
-/** Say from now on which moment is under a pointer; a finger has none unless the knob is `dragged`. */
+/** Show the moment under the pointer from now on; for a finger only while the knob is `dragged`. */
 export function showTimes(
   { node, player, dragged }: { node: HTMLElement; player: HgsPlayer; dragged: () => boolean },
   bar: HTMLElement,

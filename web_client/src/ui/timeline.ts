@@ -1,4 +1,4 @@
-/** The bar that shows and moves the playhead: what is loaded, the repeated stretch, and bookmarks. */
+/** The timeline: playhead, loaded stretches, repeated stretch, and bookmarks. */
 
 import { element, setAttribute } from "../dom/element";
 import { formatTime } from "../dom/format";
@@ -27,10 +27,10 @@ export class Timeline {
   readonly node = element("div", { class: "timeline" }, this.#seek);
   #resume = false;
   #dragging = false;
-  #chunks = -1; // that had come, or were lost, at the last look at the buffer
-  #marked = false; // there are marks to show, or were
+  #chunks = -1; // number of chunks received or lost at the last update of the buffer
+  #marked = false; // true if there are marks, or were
 
-  /** For the scene that the player shows now. `step` goes on by so many frames. */
+  /** Create the timeline of the present scene. `step` moves the playhead by frames. */
   constructor(
     readonly player: HgsPlayer,
     readonly bookmarks: Bookmarks,
@@ -47,17 +47,17 @@ export class Timeline {
       step(frames);
     });
     const point = async (event: PointerEvent): Promise<void> => {
-      const { showTimes } = await import("./time_bubble"); // for those who point
+      const { showTimes } = await import("./time_bubble"); // not needed on touch screens
       showTimes(this, this.#seek, event);
     };
-    // biome-ignore lint/suspicious/noConsole: nobody has asked for it
+    // biome-ignore lint/suspicious/noConsole: a detail that no visitor requested
     this.#seek.addEventListener("pointerenter", (event) => point(event).catch(console.warn), { once: true });
   }
 
   /** Whether the knob is held. */
   readonly dragged = (): boolean => this.#dragging;
 
-  /** Whether the scene would play if it were not dragged. */
+  /** Whether the scene plays on after the drag. */
   get resumes(): boolean {
     return this.#resume;
   }
@@ -68,7 +68,7 @@ export class Timeline {
     const { statistics, currentTime, start, end } = player;
     if (!statistics) return;
     if (this.#seek.max !== String(end)) {
-      this.#seek.max = String(end); // the scene has grown: what there is of it has another place on the bar
+      this.#seek.max = String(end); // a grown scene changes the places on the bar
       this.#chunks = -1;
       this.mark();
     }
@@ -84,11 +84,11 @@ export class Timeline {
   /** Show the bookmarks and the repeated stretch. */
   mark(): void {
     this.#marked ||= this.player.loopRange !== null || this.bookmarks.times.length > 0;
-    // biome-ignore lint/suspicious/noConsole: the scene plays on without
-    if (this.#marked) import("./timeline_marks").then(({ showMarks }) => showMarks(this), console.warn); // few have any
+    // biome-ignore lint/suspicious/noConsole: the scene works without
+    if (this.#marked) import("./timeline_marks").then(({ showMarks }) => showMarks(this), console.warn); // rarely used
   }
 
-  /** While the knob is dragged the scene stands where it is, and goes on afterwards. */
+  /** Pause the scene while the knob is dragged, and play on afterwards. */
   #scrub(): void {
     if (!this.#dragging) {
       this.#dragging = true;

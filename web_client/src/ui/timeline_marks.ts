@@ -1,4 +1,4 @@
-/** What is marked on the bar that shows the playhead: bookmarks, and the stretch that playing repeats. */
+/** The marks on the timeline: bookmarks, and the repeated stretch. */
 
 import { element } from "../dom/element";
 import { adoptStyle } from "../dom/shadow_style";
@@ -13,7 +13,7 @@ interface MarkedBar {
   readonly bookmarks: Bookmarks;
 }
 
-/** Show the marks as they are now in place of what was shown. */
+/** Replace the displayed marks by the present ones. */
 export function showMarks({ node, player, bookmarks }: MarkedBar): void {
   const { start, duration, loopRange } = player;
   const place = (mark: HTMLElement, places: Record<string, number>): HTMLElement => {

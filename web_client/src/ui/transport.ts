@@ -19,7 +19,7 @@ export class Transport {
   readonly node: HTMLElement;
   #shown: Button | null = null;
 
-  /** For the scene that the player shows now. */
+  /** Create the bar for the present scene. */
   constructor(
     readonly player: HgsPlayer,
     bookmarks: Bookmarks,

@@ -1,35 +1,35 @@
-/** What people choose or drop: the files of one capture, with their paths below its folder. */
+/** The chosen or dropped files of one capture, with their paths below its folder. */
 
 import { sha256 } from "@noble/hashes/sha2.js";
 import { bytesToHex } from "@noble/hashes/utils.js";
 
 export interface ChosenFile {
-  /** Below the capture's folder, in NFC, with "/". */
+  /** Path below the capture's folder, in NFC, with "/". */
   readonly path: string;
   readonly file: File;
 }
 
 export interface Chosen {
-  /** Of the capture. */
+  /** Name of the capture. */
   readonly name: string;
   readonly files: readonly ChosenFile[];
 }
 
-// What file managers leave behind; nobody's capture needs it.
+// Leftovers of file managers; no capture needs them.
 const JUNK = /^(\..*|__MACOSX|thumbs\.db|desktop\.ini)$/i;
 
-/** The files of a folder or of several files that were picked. */
+/** The files of a picked folder, or several picked files. */
 export function fromPicker(files: Iterable<File>): Chosen {
   return arranged([...files].map((file) => ({ path: file.webkitRelativePath || file.name, file })));
 }
 
-/** The files that were dropped, those in folders too. To be called before the drop event ends. */
+/** The dropped files, those in folders included. To be called before the drop event ends. */
 export function fromDrop(items: DataTransferItemList): Promise<Chosen> {
   const entries = [...items].map((item) => item.webkitGetAsEntry()).filter((entry) => entry !== null);
   return Promise.all(entries.map((entry) => filesOf(entry, ""))).then((found) => arranged(found.flat()));
 }
 
-/** Leave out what is hidden, and the one folder that holds everything, whose name is the capture's. */
+/** The files without hidden ones, and without the one folder around everything, which names the capture. */
 export function arranged(all: readonly ChosenFile[]): Chosen {
   const files = all
     .map(({ path, file }) => ({ path: path.normalize("NFC"), file }))
@@ -41,14 +41,14 @@ export function arranged(all: readonly ChosenFile[]): Chosen {
   return { name: top, files: sorted(files.map(({ path, file }) => ({ path: path.slice(top.length + 1), file }))) };
 }
 
-/** What the server knows the same upload by: docs/upload.md, Upload, 1. */
+/** The server's key for the same upload: docs/upload.md, Upload, 1. */
 export function uploadKey(files: readonly ChosenFile[]): string {
   const encoder = new TextEncoder();
   const lines = sorted(files).map(({ path, file }) => `${path}\t${file.size}\n`);
   return bytesToHex(sha256(encoder.encode(lines.join(""))));
 }
 
-/** In the order of the bytes of the paths in UTF-8, which is that of their code points. */
+/** The files in the order of their paths' bytes in UTF-8, which is that of their code points. */
 function sorted(files: readonly ChosenFile[]): ChosenFile[] {
   const keyed = files.map((file) => ({ file, key: new TextEncoder().encode(file.path) }));
   keyed.sort((a, b) => compareBytes(a.key, b.key));
@@ -76,7 +76,7 @@ async function filesOf(entry: FileSystemEntry, above: string): Promise<ChosenFil
   const reader = (entry as FileSystemDirectoryEntry).createReader();
   const found: ChosenFile[] = [];
   for (;;) {
-    // a reader tells a hundred entries at a time
+    // a reader returns a hundred entries at a time
     const some = await new Promise<FileSystemEntry[]>((resolve, reject) => reader.readEntries(resolve, reject));
     if (some.length === 0) return found;
     for (const inner of some) found.push(...(await filesOf(inner, `${path}/`)));

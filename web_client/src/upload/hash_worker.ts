@@ -1,12 +1,15 @@
-/** Computes the SHA-256 of files, apart from the page. */
+/** The worker that computes the SHA-256 of files. */
 
 import { sha256 } from "@noble/hashes/sha2.js";
 import { bytesToHex } from "@noble/hashes/utils.js";
 
-const BLOCK = 4 << 20; // bytes that are read at once
-const WHOLE = 128 << 20; // bytes of a file that is read as a whole
+const BLOCK = 4 << 20; // bytes per read
+const WHOLE = 128 << 20; // bytes of the largest file read as a whole
 
-/** Browsers' own is many times as fast, but takes no streams, and is missing on pages without https. */
+/**
+ * SHA-256 of a file. The browser's own is many times as fast, but takes no streams, and is missing on pages without
+ * https.
+ */
 async function hashOf(file: File): Promise<string> {
   if (file.size <= WHOLE && globalThis.crypto.subtle !== undefined)
     return bytesToHex(new Uint8Array(await crypto.subtle.digest("SHA-256", await file.arrayBuffer())));

@@ -1,18 +1,21 @@
-/** Sends the files of a capture, in pieces, and goes on after cuts, pauses and closed pages (docs/upload.md). */
+/**
+ * The transfer of a capture's files, in pieces; it continues after interruptions, pauses and closed pages
+ * (docs/upload.md).
+ */
 
 import { ApiError } from "../protocol/http";
 import type { Announcement, RemoteFile, Upload } from "../protocol/uploads";
 import { type Chosen, type ChosenFile, uploadKey } from "./chosen_files";
 
-const PIECE = 8 << 20; // bytes in one request
-const AT_ONCE = 3; // files
-const CHANGES = 3; // times that a file may turn out to be another than was announced
+const PIECE = 8 << 20; // bytes per request
+const AT_ONCE = 3; // parallel files
+const CHANGES = 3; // changes of an announced file before the transfer fails
 const LONGEST_WAIT = 20; // seconds between two tries
-const MAY_PASS = new Set([0, 408, 429, 502, 503, 504]); // statuses that another try may not get
+const MAY_PASS = new Set([0, 408, 429, 502, 503, 504]); // statuses that may pass
 
-/** The requests of docs/upload.md, as protocol/uploads.ts makes them. */
+/** The requests of docs/upload.md; protocol/uploads.ts implements them. */
 export interface UploadRequests {
-  /** All uploads that the server knows of. */
+  /** All uploads on the server. */
   uploads(signal: AbortSignal): Promise<readonly Upload[]>;
   begin(announced: Announcement, signal: AbortSignal): Promise<{ upload: Upload; resumed: boolean }>;
   files(id: string, signal: AbortSignal): Promise<readonly RemoteFile[]>;
@@ -40,7 +43,7 @@ export type TransferState = "sending" | "paused" | "waiting" | "finishing" | "do
 export interface SentFile {
   readonly path: string;
   readonly size: number;
-  /** Bytes that the server has, or that are under way. */
+  /** Bytes on the server, or on their way. */
   sent: number;
   state: FileState;
 }
@@ -49,14 +52,16 @@ export class Transfer {
   readonly files: readonly SentFile[];
   readonly total: number;
   state: TransferState = "paused";
-  /** Why it waits or has failed; "" else. */
+  /** The reason for waiting or failure; "" otherwise. */
   problem = "";
   upload: Upload | null = null;
   readonly #hashes = new Map<SentFile, string>();
   #running: AbortController | null = null;
 
   /**
-   * @param hash the SHA-256 of a file; rejects where it cannot be read
+   * Prepare a transfer.
+   *
+   * @param hash the SHA-256 of a file; rejects if it cannot be read
    * @param onChange is called after every change, often
    */
   constructor(
@@ -69,7 +74,7 @@ export class Transfer {
     this.total = this.files.reduce((sum, { size }) => sum + size, 0);
   }
 
-  /** Whether nothing is sent yet because files are read for their hashes. */
+  /** Whether nothing is sent yet because files are being hashed. */
   get reading(): boolean {
     return this.files.some(({ state }) => state === "reading") && !this.files.some(({ state }) => state === "sending");
   }
@@ -78,7 +83,7 @@ export class Transfer {
     return this.files.reduce((sum, { sent }) => sum + sent, 0);
   }
 
-  /** Send what the server does not have; after a pause or a failure, go on. */
+  /** Send everything that the server lacks; also continues after a pause or a failure. */
   async run(): Promise<void> {
     if (this.#running) return;
     const running = new AbortController();
@@ -89,7 +94,7 @@ export class Transfer {
       this.#set("done");
     } catch (error) {
       if (!running.signal.aborted) this.#set("failed", error instanceof Error ? error.message : String(error));
-      running.abort(); // the other files
+      running.abort(); // stops the other files
     } finally {
       if (this.#running === running) this.#running = null;
     }
@@ -127,7 +132,7 @@ export class Transfer {
     this.upload = await this.#patiently(() => this.requests.finish(upload.id, signal), signal);
   }
 
-  /** The upload that has become a capture of the same content before, if there is one. */
+  /** An earlier, finished upload with the same content, if there is one. */
   async #present({ name, files, bytes }: Announcement, signal: AbortSignal): Promise<Upload | null> {
     const all = await this.#patiently(() => this.requests.uploads(signal), signal);
     const alike = all.filter((one) => one.capture && one.name === name && one.files === files && one.bytes === bytes);
@@ -165,7 +170,7 @@ export class Transfer {
         break;
       } catch (error) {
         const code = error instanceof ApiError ? error.code : "";
-        if (code === "upload-finished") break; // by another page that sent the same
+        if (code === "upload-finished") break; // another page has sent the same
         if (code !== "checksum-mismatch" || attempt === CHANGES) throw error;
         this.#hashes.delete(sent);
       }
@@ -207,7 +212,7 @@ export class Transfer {
         this.onChange();
       };
       offset = await this.#patiently(async () => {
-        // after a cut only the server knows how much came
+        // after an interruption only the server has the offset
         if (again) return this.requests.offset(made.location, signal);
         again = true;
         const piece = file.slice(start, start + PIECE);
@@ -221,7 +226,7 @@ export class Transfer {
     }
   }
 
-  /** Do something until it is answered: what may pass is waited for, longer each time. */
+  /** Repeat a request until there is a final answer, with longer and longer pauses. */
   async #patiently<T>(ask: () => Promise<T>, signal: AbortSignal): Promise<T> {
     for (let tries = 0; ; tries++) {
       try {

@@ -1,19 +1,23 @@
-/** Splats that never move, in blocks that are left out as a whole where none of their splats can be seen. */
+/** Static splats, in blocks that are skipped as a whole where the picture shows none of their splats. */
 
 import type { StaticChunk } from "../codec/types";
 import type { SplatDepth } from "./depth";
 import { type Frustum, reachOf } from "./frustum";
 
-/** Splats of a block. Chunks hold their splats in Morton order, so that those of a block are neighbours. */
+/** Splats of a block. Chunks are in Morton order, so that splats of a block are neighbours. */
 export const BLOCK = 256;
 
 export class StaticBlocks {
   readonly count: number;
   readonly means: Float32Array;
-  /** Of each block: the middle of its box, half its sides, and the longest reach. */
+  /** Per block: the middle of its box, half its sides, and the longest reach. */
   readonly #bounds: Float64Array;
 
-  /** @param first id of its first splat. */
+  /**
+   * Divide a chunk into blocks.
+   *
+   * @param first id of its first splat.
+   */
   constructor(
     readonly first: number,
     { count, means, opacities, logScales }: StaticChunk,
@@ -41,7 +45,7 @@ export class StaticBlocks {
     }
   }
 
-  /** Whether a splat of the block that begins with splat `begin` may show. */
+  /** Whether the picture may show a splat of the block that begins with splat `begin`. */
   mayShow(begin: number, depth: SplatDepth, frustum: Frustum | null): boolean {
     const b = this.#bounds;
     const at = (7 * begin) / BLOCK;
@@ -56,7 +60,7 @@ export class StaticBlocks {
         Math.abs(z) * b[at + 5] +
         offset >=
       0;
-    // A millionth of slack for the rounding of the sums.
+    // A millionth of slack, for rounding errors of the sums.
     if (depth.kind === "planar" && !inside(depth.x, depth.y, depth.z, depth.offset - depth.near * (1 - 1e-6)))
       return false;
     if (frustum === null) return true;

@@ -1,4 +1,4 @@
-/** The splats of a chunk that move: which of them are alive when, and where. */
+/** The dynamic splats of a chunk: their lives and positions. */
 
 import type { DynamicChunk } from "../codec/types";
 import { DYNAMIC_BIT, DYNAMICS_PER_ROW } from "../renderer/layout";
@@ -8,21 +8,25 @@ import type { DepthList } from "./sort";
 import { levelOf, utilityOf } from "./splat_budget";
 
 const ROW_BITS = Math.log2(DYNAMICS_PER_ROW);
-/** Octaves of utility by which splats that move count for more: people look at them. */
+/** Extra utility of dynamic splats, octaves: people look at them. */
 const MOVES = 2;
-const CUBIC = 12; // numbers of a motion that goes no further
+const CUBIC = 12; // numbers of a motion without a fifth order
 
 export class Dynamics {
   readonly count: number;
   readonly #motion: Float32Array;
   readonly #centers: Float32Array;
-  /** ln(255 sigma) / s: the square of how far from its centre in time a splat can be seen. */
+  /** ln(255 sigma) / s: the square of the time from its centre for which a splat is visible. */
   readonly #lives: Float32Array;
   readonly #reaches: Float32Array; // world units
   readonly #precisions: Float32Array; // s
-  readonly #utility: number; // octaves, of a splat that is shown all the time
+  readonly #utility: number; // octaves, for a splat that is always visible
 
-  /** @param rows of the texture, which hold its splats one after the other. */
+  /**
+   * Take a chunk.
+   *
+   * @param rows of the texture with its splats, in sequence.
+   */
   constructor(
     readonly rows: readonly number[],
     { count, motion, timeCenters, timeLogPrecisions, opacities, logScales, bounds }: DynamicChunk,
@@ -42,29 +46,33 @@ export class Dynamics {
   }
 
   /**
-   * Write how useful its splats are at `t`, normalised, as levels of a `SplatBudget` by their places. Chunks tell of means over
-   * the whole scene: a splat that is shown for a tenth of it shows ten times as much then, and less while it fades.
+   * Write the utilities of its splats at `t`, normalised, as levels of a `SplatBudget` by their places. A chunk's
+   * bounds are means over the whole scene: a splat with a life of a tenth of it is ten times as visible then, and less
+   * while it fades.
    */
   writeLevels(levels: Uint8Array, t: number): void {
     for (let i = 0; i < this.count; i++) {
       const s = this.#precisions[i];
       const d = t - this.#centers[i];
-      const shown = Math.min(0, 0.5 * Math.log2(Math.PI / (2 * s))); // of the square of exp(-s d^2)
+      const shown = Math.min(0, 0.5 * Math.log2(Math.PI / (2 * s))); // log2 of the integral of exp(-s d^2)^2
       levels[this.#place(i)] = levelOf(this.#utility - shown - 2 * Math.LOG2E * s * d * d);
     }
   }
 
-  /** The first place in the texture behind all of its splats. */
+  /** The first place in the texture behind its splats. */
   get end(): number {
     return (Math.max(-1, ...this.rows) + 1) * DYNAMICS_PER_ROW;
   }
 
-  /** Where in the texture a splat is. */
+  /** The place of a splat in the texture. */
   #place(i: number): number {
     return this.rows[i >> ROW_BITS] * DYNAMICS_PER_ROW + (i & (DYNAMICS_PER_ROW - 1));
   }
 
-  /** Add those that are alive at any time from `from` until `until` and may show where they are at `t`; normalised times. */
+  /**
+   * Add the splats that are alive at any time from `from` until `until` and may be visible at their positions at `t`;
+   * normalised times.
+   */
   addTo(list: DepthList, by: SplatDepth, frustum: Frustum | null, t: number, from: number, until: number): void {
     const { depths, ids } = list;
     const { count } = this;

@@ -1,10 +1,10 @@
-/** Which splats a picture may show: those whose ellipse on the screen (docs/numerics.md, Projection) can touch it. */
+/** The frustum of a picture: keeps splats with an ellipse (docs/numerics.md, Projection) that may touch the screen. */
 
 import type { Intrinsics, Pose } from "../camera/pinhole";
 
 /**
- * One side of a picture in the world. A splat with centre p may show if x p.x + y p.y + z p.z + offset + spread * reach is
- * not negative, where its reach is how far from p it can be seen, world units.
+ * One side of a picture in the world. A splat with centre p may be visible if x p.x + y p.y + z p.z + offset + spread *
+ * reach is not negative, where its reach is the radius of its visible part, world units.
  */
 export interface Side {
   readonly x: number;
@@ -16,16 +16,16 @@ export interface Side {
 
 export type Frustum = readonly Side[];
 
-/** More than the picture is kept, in parts of its size: an order is a frame or two behind a camera that turns. */
+/** Margin around the picture, relative to its size: an order is a frame or two behind a camera that turns. */
 const SLACK = 0.1;
-/** Deviations from its centre at which the most opaque splat falls to 1/255. */
+/** Deviations from the centre at which the most opaque splat falls to 1/255. */
 const FARTHEST = Math.sqrt(2 * Math.log(255));
 /** Deviation of the low-pass, pixels. */
 const LOW_PASS = Math.sqrt(0.3);
-/** Beyond the picture, in parts of its size, the projection's derivative is that of the border. */
+/** Distance from the picture, relative to its size, beyond which the projection's derivative stays constant. */
 const CLAMP = 0.15;
 
-/** How far from its centre a splat can be seen at its largest opacity, world units; negative if it never can. */
+/** Radius of a splat's visible part at its largest opacity, world units; negative if it is never visible. */
 export function reachOf(opacity: number, logScaleX: number, logScaleY: number, logScaleZ: number): number {
   if (255 * opacity < 1) return -1;
   return Math.sqrt(2 * Math.log(255 * opacity)) * Math.exp(Math.max(logScaleX, logScaleY, logScaleZ));
@@ -34,7 +34,9 @@ export function reachOf(opacity: number, logScaleX: number, logScaleY: number, l
 /** The four sides of a picture; for splats before the camera. */
 export function frustumOf({ rotation: r, translation: t }: Pose, camera: Intrinsics, slack = SLACK): Frustum {
   const { width, height, fx, fy, cx, cy } = camera;
-  /** Along the row of the rotation at `row`, towards `sign`; the border lies `pixels` from the principal point. */
+  /**
+   * The side along the row of the rotation at `row`, towards `sign`; the border is `pixels` from the principal point.
+   */
   const side = (row: 0 | 3, sign: 1 | -1, pixels: number, size: number, focal: number): Side => {
     const tangent = (pixels + FARTHEST * LOW_PASS + slack * size) / focal;
     // |jx| of a splat's longest axis is at most this times focal / depth.
@@ -66,7 +68,7 @@ export function sameFrustum(a: Frustum | null, b: Frustum | null): boolean {
   });
 }
 
-/** Whether a splat of that reach at (x, y, z) may show. */
+/** Whether a splat of that reach at (x, y, z) may be visible. */
 export function mayShow(frustum: Frustum, x: number, y: number, z: number, reach: number): boolean {
   for (let i = 0; i < frustum.length; i++) {
     const side = frustum[i];

@@ -1,4 +1,4 @@
-/** What the page and its worker say to each other. Big arrays are transferred, never copied. */
+/** The messages between the page and its worker. Big arrays are transferred, never copied. */
 
 import type { Manifest } from "../codec/types";
 import type { OrderRequest, SplatOrder } from "./splat_order";
@@ -8,25 +8,25 @@ export type ToWorker =
   | { type: "decompressor"; module: WebAssembly.Module }
   /** Before its chunks, and again with every later version. */
   | { type: "scene"; manifest: Manifest }
-  /** A complete chunk, as it came from the server; `rows` are those of the texture that its splats take, if they move. */
+  /** A complete chunk, as received; `rows` are the texture rows for its splats if it is dynamic. */
   | { type: "chunk"; id: string; bytes: Uint8Array<ArrayBuffer>; rows: readonly number[] }
-  /** Forget a chunk that moves. */
+  /** Forget a dynamic chunk. */
   | { type: "evict"; id: string }
-  /** Pack everything once more, for a graphics context that has come back empty. */
+  /** Pack everything again, for a restored graphics context. */
   | { type: "repack" }
-  /** Order the splats; `recycled` gives back the ids of an earlier answer. One at a time. */
+  /** Order the splats; `recycled` returns the ids of an earlier answer. One order at a time. */
   | { type: "order"; request: OrderRequest; recycled?: Uint32Array<ArrayBuffer> };
 
 /** A chunk's splats, packed as the data textures hold them. */
 export interface DecodedSplats {
   readonly id: string;
   readonly kind: "static" | "dynamic";
-  /** The id of its first splat, if it is static. */
+  /** The id of its first splat, for a static chunk. */
   readonly first: number;
-  /** The rows that its splats take, one after the other, if they move. */
+  /** The rows for its splats, in sequence, for a dynamic chunk. */
   readonly rows: readonly number[];
   readonly texels: Float32Array<ArrayBuffer>;
-  /** Of dynamic splats whose motion goes on to the fifth order; empty if none does. */
+  /** Coefficients of the fifth order, for dynamic splats with such motions; empty if none has. */
   readonly fifth: Float32Array<ArrayBuffer>;
 }
 
@@ -37,7 +37,7 @@ export interface OrderedSplats extends SplatOrder {
 
 export type FromWorker =
   | ({ type: "decoded" } & DecodedSplats)
-  /** A chunk as it was; and then, that all are packed. */
+  /** A chunk packed again; and then, the end of all chunks. */
   | ({ type: "packed" } & DecodedSplats)
   | { type: "repacked" }
   | { type: "failed"; id: string; message: string }

@@ -1,4 +1,4 @@
-/** Decoded chunks as texels of the data textures; the layout is that of renderer/layout.ts. */
+/** Decoded chunks as texels of the data textures, in the layout of renderer/layout.ts. */
 
 import type { DynamicChunk, StaticChunk } from "../codec/types";
 import {
@@ -14,7 +14,7 @@ import {
 const allocate = (count: number, perRow: number, width = TEXTURE_WIDTH) =>
   new Float32Array(Math.ceil(count / perRow) * width * 4);
 
-const CUBIC = 12; // numbers of a motion that goes no further
+const CUBIC = 12; // numbers of a motion without a fifth order
 
 /** Whole rows of texels; the rest of the last row is zero. */
 export function packStatics(chunk: StaticChunk): Float32Array<ArrayBuffer> {
@@ -52,7 +52,7 @@ export function packDynamics(chunk: DynamicChunk): Float32Array<ArrayBuffer> {
   return texels;
 }
 
-/** The coefficients above the cubic, whole rows of FIFTH_WIDTH texels; nothing if the chunk has none. */
+/** The coefficients above the cubic, whole rows of FIFTH_WIDTH texels; empty if the chunk has none. */
 export function packFifth({ motion, count }: DynamicChunk): Float32Array<ArrayBuffer> {
   const width = motion.length / count;
   if (width === CUBIC) return new Float32Array(0);

@@ -1,21 +1,20 @@
-/** The page's end of the worker: everything that is said to it and heard from it passes here. */
+/** The page's side of the worker: all messages in both directions pass here. */
 
 import type { Manifest } from "../codec/types";
-import { decompressor } from "./decompressor";
 import type { DecodedSplats, FromWorker, OrderedSplats, ToWorker } from "./messages";
 import type { OrderRequest } from "./splat_order";
-import { startWorker } from "./start_worker";
+import { decompressor, startWorker } from "./start_worker";
 
 export interface SceneWorkerEvents {
   /** A chunk's splats, packed for the renderer. */
   decoded(splats: DecodedSplats): void;
-  /** A chunk's splats once more. */
+  /** A chunk's splats, packed again. */
   packed(splats: DecodedSplats): void;
   repacked(): void;
-  /** A chunk cannot be decoded; `message` says why. */
+  /** A chunk cannot be decoded; `message` is the reason. */
   damaged(id: string, message: string): void;
   ordered(order: OrderedSplats): void;
-  /** The worker has died; `cause` is for whoever looks into it. */
+  /** The worker has died; `cause` is for debugging. */
   stopped(cause: string): void;
 }
 
@@ -31,14 +30,14 @@ export class SceneWorker {
     );
   }
 
-  /** Say which scene the chunks are of; first, and again when it has grown. */
+  /** Set the scene of the chunks; first, and again when it has grown. */
   begin(manifest: Manifest): void {
     this.#tell({ type: "scene", manifest });
   }
 
   /**
-   * Decode a complete chunk, which is transferred; answered by `decoded` or `damaged`. `rows` are those of the texture that
-   * its splats take, if they move.
+   * Decode a complete chunk, which is transferred; answered by `decoded` or `damaged`. `rows` are the texture rows for
+   * its splats if it is dynamic.
    */
   decode(id: string, bytes: Uint8Array<ArrayBuffer>, rows: readonly number[] = []): void {
     this.#tell({ type: "chunk", id, bytes, rows }, [bytes.buffer]);
@@ -49,12 +48,12 @@ export class SceneWorker {
     this.#tell({ type: "evict", id });
   }
 
-  /** Pack what there is once more; answered by `packed` for every chunk, and then by `repacked`. */
+  /** Pack all chunks again; answered by `packed` for every chunk, and then by `repacked`. */
   repack(): void {
     this.#tell({ type: "repack" });
   }
 
-  /** Order the splats, one order at a time; `recycled` gives back the ids of an earlier one. Answered by `ordered`. */
+  /** Order the splats, one order at a time; `recycled` returns the ids of an earlier one. Answered by `ordered`. */
   order({ depth, frustum, exact, budget, time, from, until }: OrderRequest, recycled?: Uint32Array<ArrayBuffer>): void {
     const request = { depth, frustum, exact, budget, time, from, until };
     if (recycled) this.#tell({ type: "order", request, recycled }, [recycled.buffer]);

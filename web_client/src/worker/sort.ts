@@ -1,11 +1,11 @@
-/** Sorting by depth, exactly: lists of (depth, id), and the merge of two sorted ones. */
+/** Exact sorting by depth: lists of (depth, id), and the merge of two sorted ones. */
 
 const DIGIT = 11;
 const BINS = 1 << DIGIT;
 const MASK = BINS - 1;
-/** Bits by which two passes sort; the rest is left to insertion. */
+/** Bits sorted by two passes; insertion sorts the rest. */
 const QUICK_BITS = 2 * DIGIT;
-/** So many moves per splat may insertion make; what takes more is sorted by all bits. */
+/** Most moves per splat by insertion; longer ones fall back to a sort by all bits. */
 const MOST_MOVES = 2;
 
 /** Splats sorted by ascending depth. */
@@ -16,11 +16,11 @@ export interface SortedSplats {
 }
 
 /**
- * A list of (depth, id) that sorts itself; it keeps its memory from use to use.
+ * A list of (depth, id) with its own sort; its memory is reused.
  *
- * A non-negative float32 sorts as its bits, so that depths beyond the near plane need no conversion. Of these bits only
- * those are looked at in which the depths of the list differ: the upper 22 by two passes of a radix sort, and what little
- * is left by insertion into the nearly sorted list.
+ * Non-negative float32 numbers sort as their bits, so that depths beyond the near plane need no conversion. Only bits
+ * in which the depths differ count: two passes of a radix sort handle the upper 22, insertion into the nearly sorted
+ * list the few others.
  */
 export class DepthList implements SortedSplats {
   count = 0;
@@ -30,7 +30,7 @@ export class DepthList implements SortedSplats {
   depths = new Float32Array(0);
   #otherKeys = new Int32Array(0);
   #otherIds = new Uint32Array(0);
-  #digits = new Uint16Array(0); // in the memory of the other keys
+  #digits = new Uint16Array(0); // shares memory with the other keys
   readonly #bins = new Uint32Array(2 * BINS);
 
   /** Empty the list and make room for so many. */
@@ -60,13 +60,13 @@ export class DepthList implements SortedSplats {
     const { low, shift } = this.#range();
     this.#twoPasses(low, shift);
     if (shift === 0 || this.#insert(MOST_MOVES * this.count)) return;
-    this.#twoPasses(low, 0, MASK); // by the lower 22 bits, and then by the upper ones
+    this.#twoPasses(low, 0, MASK); // the lower 22 bits, then the upper ones
     this.#twoPasses(low, 32 - QUICK_BITS);
   }
 
   /**
-   * Write the ids into `out`, farthest first, in about two thirds of the time; the list itself is left in disorder. Depths
-   * whose bits differ in less than a 2^22nd of the list's range count as equal.
+   * Write the ids into `out`, farthest first, in about two thirds of the time; the list itself is left in disorder.
+   * Depths that differ by less than a 2^22nd of the list's range count as equal.
    */
   writeQuickly(out: Uint32Array): void {
     const { keys, ids, count } = this;
@@ -85,7 +85,7 @@ export class DepthList implements SortedSplats {
     for (let i = 0; i < count; i++) out[last - bins[BINS + digits[i]]++] = otherIds[i];
   }
 
-  /** The lowest key, and from which bit on the upper 22 bits of the differences to it lie. */
+  /** The lowest key, and the position of the upper 22 bits of the differences to it. */
   #range(): { low: number; shift: number } {
     const { keys, count } = this;
     let low = 0x7fffffff;
@@ -100,7 +100,7 @@ export class DepthList implements SortedSplats {
     return { low, shift };
   }
 
-  /** Where the splats of each digit begin: of the 11 bits of `key - low` from `shift` on, and of those above, cut by `mask`. */
+  /** The starts of the digits: of the 11 bits of `key - low` from `shift` on, and of those above, cut by `mask`. */
   #countDigits(low: number, shift: number, mask: number): Uint32Array {
     const { keys, count } = this;
     const bins = this.#bins.fill(0);
@@ -121,7 +121,7 @@ export class DepthList implements SortedSplats {
     return bins;
   }
 
-  /** A radix sort by 22 bits of `key - low` from `shift` on; `mask` cuts what lies above them, if anything does. */
+  /** A radix sort by 22 bits of `key - low` from `shift` on; `mask` removes bits above them. */
   #twoPasses(low: number, shift: number, mask = -1): void {
     const { keys, ids, count } = this;
     const [otherKeys, otherIds] = [this.#otherKeys, this.#otherIds];
@@ -141,7 +141,9 @@ export class DepthList implements SortedSplats {
     }
   }
 
-  /** Sort a nearly sorted list; returns false, and leaves the rest as it is, if that would take more than `most` moves. */
+  /**
+   * Sort a nearly sorted list; returns false, and leaves the rest as it is, if that would take more than `most` moves.
+   */
   #insert(most: number): boolean {
     const { keys, ids, count } = this;
     let moves = 0;
@@ -169,9 +171,9 @@ export class DepthList implements SortedSplats {
 }
 
 /**
- * Merge two sorted lists into `out`, farthest first: the order in which they are drawn.
+ * Merge two sorted lists into `out`, farthest first: the order of drawing.
  *
- * At equal depth the splats of `first` lie in front, as statics do in docs/numerics.md. Returns how many were written.
+ * At equal depth the splats of `first` are in front, like statics in docs/numerics.md. Returns the number of ids.
  */
 export function mergeBackToFront(first: SortedSplats, second: SortedSplats, out: Uint32Array): number {
   const { keys: keysA, ids: idsA, count: countA } = first;

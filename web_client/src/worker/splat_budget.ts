@@ -1,28 +1,28 @@
 /**
- * The most useful splats of an order, where there is a budget for fewer than it has. Chunks tell by the errors that they
- * allow how much their splats show; of splats that show equally much as many as there is room for stay, evenly spread.
+ * The most useful splats of an order, for a budget of fewer splats. The bounds of a chunk define its splats'
+ * visibility; among equally visible splats an evenly spread part remains.
  */
 
 import type { Bounds } from "../codec/types";
-import { DYNAMIC_BIT, STATICS_PER_ROW } from "../renderer/layout";
+import { DYNAMIC_BIT, isDynamic, STATICS_PER_ROW } from "../renderer/layout";
 
-/** Levels of an octave of utility, and of all that are told apart. */
+/** Levels per octave of utility, and number of levels. */
 const STEPS = 4;
 const LEVELS = 256;
 /** The level of utility 1: 40 octaves lie above it, and 24 below. */
 const ONE = 96;
-/** Parts into which the splats of a level are spread. */
+/** Parts of the splats of a level. */
 const PARTS = 256;
-/** 2^32 over the golden ratio: multiples of it, modulo 2^32, lie evenly, wherever they begin and end. */
+/** 2^32 over the golden ratio: its multiples, modulo 2^32, are evenly spread over any range. */
 const GOLDEN = 0x9e3779b1;
 
 /**
- * How much the splats of a chunk show, in octaves of utility: squares of pictures' differences, so that twice the error that
- * is allowed means two octaves less (docs/format.md, Bounds).
+ * The visibility of a chunk's splats, in octaves of utility: squares of pictures' differences, so that twice the
+ * allowed error means two octaves less (docs/format.md, Bounds).
  */
 export const utilityOf = ({ rgb }: Bounds): number => -2 * Math.log2(rgb);
 
-/** The level, 0 to 255, of so many octaves of utility; infinite ones have the last or the first. */
+/** The level, 0 to 255, for octaves of utility; infinite ones get the last or the first. */
 export const levelOf = (octaves: number): number =>
   Math.min(LEVELS - 1, Math.max(0, Math.round(ONE + STEPS * octaves)));
 
@@ -31,27 +31,28 @@ export class SplatBudget {
   #dynamics = new Uint8Array(0); // levels by place
   readonly #bins = new Uint32Array(LEVELS * PARTS);
 
-  /** @param staticRows of the texture of the statics. */
+  /**
+   * Start with no chunks.
+   *
+   * @param staticRows of the texture of the statics.
+   */
   constructor(staticRows: number) {
     this.#statics = new Uint8Array(staticRows);
   }
 
-  /** Note a chunk of statics by the id of its first splat. */
+  /** Note a static chunk by the id of its first splat. */
   addStatics(first: number, count: number, bounds: Bounds): void {
     const row = first / STATICS_PER_ROW;
     this.#statics.fill(levelOf(utilityOf(bounds)), row, row + Math.ceil(count / STATICS_PER_ROW));
   }
 
-  /** The levels of dynamics by their places in the texture, at least so many; to be written before a `cut`. */
+  /** The levels of dynamics by their places in the texture, for at least so many; to be written before a `cut`. */
   levels(places: number): Uint8Array {
     if (this.#dynamics.length < places) this.#dynamics = new Uint8Array(Math.ceil(places * 1.25));
     return this.#dynamics;
   }
 
-  /**
-   * Leave the most useful of the first `count` ids, in the order in which they are, and return how many: at most `budget`,
-   * and all of them if there are no more.
-   */
+  /** Keep the most useful of the first `count` ids, in their order, and return their number: at most `budget`. */
   cut(ids: Uint32Array, count: number, budget: number): number {
     if (count <= budget) return count;
     const bins = this.#bins.fill(0);
@@ -63,9 +64,9 @@ export class SplatBudget {
     return kept;
   }
 
-  /** The higher, the sooner a splat is taken: its level, and its part of those that have it. */
+  /** The priority of a splat: its level, and its part of that level. */
   #rank(id: number): number {
-    const level = id & DYNAMIC_BIT ? this.#dynamics[id & ~DYNAMIC_BIT] : this.#statics[(id / STATICS_PER_ROW) | 0];
+    const level = isDynamic(id) ? this.#dynamics[id & ~DYNAMIC_BIT] : this.#statics[(id / STATICS_PER_ROW) | 0];
     return level * PARTS + (Math.imul(id, GOLDEN) >>> 24);
   }
 }

@@ -1,31 +1,30 @@
 /**
- * Which splats are drawn, and in which order: the statics before the camera, and the dynamics alive at the time, where
- * they have moved to by then; without those that the picture cannot show.
+ * The order of drawing: the statics before the camera, and the dynamics alive at the time, at their positions then;
+ * without splats outside the picture.
  */
 
-import { chunksOf, sliceAt } from "../codec/slices";
+import { chunksOf, sliceAt } from "../codec/manifest_chunks";
 import type { DecodedChunk, Manifest } from "../codec/types";
-import { TEXTURE_WIDTH } from "../renderer/layout";
+import { isDynamic, type StaticPlacement, TEXTURE_WIDTH } from "../renderer/layout";
 import { BLOCK, StaticBlocks } from "./blocks";
 import { type SplatDepth, sameDepth } from "./depth";
 import { Dynamics } from "./dynamics";
 import { type Frustum, sameFrustum } from "./frustum";
-import type { StaticPlacement } from "./placement";
 import { DepthList, mergeBackToFront } from "./sort";
 import { SplatBudget } from "./splat_budget";
 
-/** What is to be ordered; times in seconds, of one segment. */
+/** A request for an order; times in seconds, of one segment. */
 export interface OrderRequest {
   readonly depth: SplatDepth;
-  /** Splats that it keeps are ordered alone; all, wherever they are, if null. */
+  /** Only splats inside are ordered; all of them if null. */
   readonly frustum: Frustum | null;
-  /** Whether the order must be exact; else it may take splats of all but the same depth for equal, which is faster. */
+  /** Whether the order must be exact; a faster one may treat nearly equal depths as equal. */
   readonly exact: boolean;
-  /** So many splats are in the order at most, the most useful ones; `Infinity` for all. */
+  /** Largest number of splats, the most useful ones; `Infinity` for all. */
   readonly budget: number;
-  /** Dynamics are sorted where they are at this moment. */
+  /** Dynamics are sorted by their positions at this moment. */
   readonly time: number;
-  /** All dynamics are in the order that are alive at any moment from `from` until `until`; `time` lies between. */
+  /** All dynamics alive at any moment from `from` until `until` are included; `time` lies between. */
   readonly from: number;
   readonly until: number;
 }
@@ -34,7 +33,7 @@ export interface SplatOrder {
   /** Ids, farthest first, in whole rows of the order texture. */
   readonly ids: Uint32Array<ArrayBuffer>;
   readonly count: number;
-  /** Living dynamic splats among them. */
+  /** Number of dynamic splats among them. */
   readonly dynamic: number;
 }
 
@@ -44,13 +43,13 @@ interface Living {
 }
 
 export class SplatOrderer {
-  readonly #statics: StaticBlocks[] = []; // by id
+  readonly #statics: StaticBlocks[] = []; // blocks by chunk id
   readonly #dynamics = new Map<string, Dynamics>();
   readonly #staticList = new DepthList();
   readonly #dynamicList = new DepthList();
   readonly #budget: SplatBudget;
-  #sortedFor: Pick<OrderRequest, "depth" | "frustum"> | null = null; // the static list; null when it is out of date
-  #ranks: ReadonlyMap<string, number> = new Map(); // of the chunks that move, in the manifest: so ties are broken
+  #sortedFor: Pick<OrderRequest, "depth" | "frustum"> | null = null; // key of the static list, or null
+  #ranks: ReadonlyMap<string, number> = new Map(); // ranks of dynamic chunks in the manifest, to break ties
 
   constructor(
     public manifest: Manifest,
@@ -60,13 +59,17 @@ export class SplatOrderer {
     this.grow(manifest);
   }
 
-  /** Go on with a later version of the manifest; its statics are the same. */
+  /** Continue with a later version of the manifest; its statics are the same. */
   grow(manifest: Manifest): void {
     this.manifest = manifest;
     this.#ranks = new Map(manifest.slices.flatMap(({ chunks }) => chunks).map(({ id }, rank) => [id, rank]));
   }
 
-  /** @param rows of the texture that the chunk's splats take, if they move. */
+  /**
+   * Add a decoded chunk.
+   *
+   * @param rows of the texture for the splats of a dynamic chunk.
+   */
   add(id: string, chunk: DecodedChunk, rows: readonly number[] = []): void {
     if (chunk.kind === "dynamic") {
       this.#dynamics.set(id, new Dynamics(rows, chunk));
@@ -80,29 +83,29 @@ export class SplatOrderer {
     this.#sortedFor = null;
   }
 
-  /** Forget a chunk that moves. */
+  /** Forget a dynamic chunk. */
   evict(id: string): void {
     this.#dynamics.delete(id);
   }
 
-  /** `recycled` is an earlier array of ids that may be written again. */
+  /** Order the splats; `recycled` is an earlier array of ids to be overwritten. */
   order(request: OrderRequest, recycled?: Uint32Array<ArrayBuffer>): SplatOrder {
     const order = request.exact ? this.#exactly(request, recycled) : this.#quickly(request, recycled);
     return order.count > request.budget ? this.#cut(order, request) : order;
   }
 
-  /** What of an order a budget has room for. */
+  /** The part of an order within its budget. */
   #cut({ ids, count }: SplatOrder, request: OrderRequest): SplatOrder {
     const { chunks, span } = this.#living(request);
     const levels = this.#budget.levels(Math.max(0, ...chunks.map(({ end }) => end)));
     for (const chunk of chunks) chunk.writeLevels(levels, span[0]);
     const kept = this.#budget.cut(ids, count, request.budget);
     let dynamic = 0;
-    for (let i = 0; i < kept; i++) dynamic += ids[i] >>> 31; // DYNAMIC_BIT
+    for (let i = 0; i < kept; i++) if (isDynamic(ids[i])) dynamic++;
     return { ids, count: kept, dynamic };
   }
 
-  /** For a view that stands: only the dynamics are sorted anew. */
+  /** The order for a view that rests: only the dynamics are sorted again. */
   #exactly(request: OrderRequest, recycled?: Uint32Array<ArrayBuffer>): SplatOrder {
     this.#sortStatics(request);
     const [statics, dynamics] = [this.#staticList, this.#dynamicList];
@@ -115,7 +118,7 @@ export class SplatOrderer {
     return { ids, count, dynamic: dynamics.count };
   }
 
-  /** For a view that moves: everything is sorted anew. */
+  /** The order for a view that moves: everything is sorted again. */
   #quickly(request: OrderRequest, recycled?: Uint32Array<ArrayBuffer>): SplatOrder {
     this.#sortedFor = null;
     const list = this.#staticList;
@@ -167,7 +170,7 @@ export class SplatOrderer {
     return { chunks: this.#chunksBetween(segment, from, until), span };
   }
 
-  /** Those of a segment with splats alive from `from` until `until`, seconds, in the manifest's order. */
+  /** The chunks of a segment with splats alive from `from` until `until`, seconds, in the manifest's order. */
   #chunksBetween(segment: number, from: number, until: number): Dynamics[] {
     const { slices } = this.manifest;
     const ids = new Set<string>();
@@ -206,7 +209,7 @@ function addPlanar(
   list.count = n;
 }
 
-/** By the square of the distance, which grows as it does. */
+/** Add splats by the square of their distance, which has the same order. */
 function addRadial(
   list: DepthList,
   { first, means }: StaticBlocks,

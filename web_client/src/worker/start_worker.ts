@@ -1,14 +1,15 @@
-/** Starts workers, also for a page of another origin than the script's, as one that takes the player from a CDN. */
+/** The start of the worker, and its decompressor, fetched and compiled once for all workers of the page. */
 
-import address from "./worker.ts?worker&url";
+import decompressorAddress from "virtual:zstd-address";
+import workerAddress from "./worker.ts?worker&url";
 
-/** As browsers offer it; TypeScript's library does not know it yet. */
+/** The interface in browsers; TypeScript's library lacks it. */
 interface TrustedTypes {
   createPolicy(name: string, rules: { createScriptURL(url: string): string }): { createScriptURL(url: string): string };
 }
 
-const worker = new URL(address, import.meta.url);
-let trusted: string | undefined; // what starts all workers of the page
+const worker = new URL(workerAddress, import.meta.url);
+let trusted: string | undefined; // address for all workers of the page
 
 export function startWorker(): Worker {
   trusted ??= trust(worker.origin === origin ? worker.href : bootstrap());
@@ -16,8 +17,8 @@ export function startWorker(): Worker {
 }
 
 /**
- * Browsers start workers of the page's own origin only; such a one may then import the script. A sandboxed frame has no origin,
- * and Chromium takes a blob there for another's.
+ * The address of a script of the page's own origin, which imports the worker's: browsers start no others. A sandboxed
+ * frame has no origin, and Chromium treats a blob there as foreign.
  */
 function bootstrap(): string {
   const script = `import ${JSON.stringify(worker.href)};`;
@@ -25,12 +26,43 @@ function bootstrap(): string {
   return URL.createObjectURL(new Blob([script], { type: "text/javascript" }));
 }
 
-/** On a page with `require-trusted-types-for 'script'` only addresses that a policy has made start workers. */
+/** A trusted form of the address: pages with `require-trusted-types-for 'script'` start no other workers. */
 function trust(url: string): string {
   const { trustedTypes } = globalThis as { trustedTypes?: TrustedTypes };
   try {
     return trustedTypes?.createPolicy("hgs-player", { createScriptURL: () => url }).createScriptURL(url) ?? url;
   } catch {
-    return url; // the page allows no such policy; whether it needs one, starting the worker tells
+    return url; // the policy is not allowed; the start of the worker shows whether it is required
+  }
+}
+
+const TRIES = 3;
+const PAUSE = 1000; // ms between them
+
+let module: Promise<WebAssembly.Module> | undefined;
+
+/**
+ * Fetch and compile the decompressor.
+ *
+ * @throws Error if it cannot be fetched; the next call tries again.
+ */
+export function decompressor(): Promise<WebAssembly.Module> {
+  module ??= compile().catch((error) => {
+    module = undefined;
+    throw error;
+  });
+  return module;
+}
+
+async function compile(): Promise<WebAssembly.Module> {
+  for (let tries = 1; ; tries++) {
+    try {
+      const response = await fetch(new URL(decompressorAddress, import.meta.url));
+      if (!response.ok) throw new Error(`the server answered ${response.status}`);
+      return await WebAssembly.compile(await response.arrayBuffer()); // works with any media type
+    } catch (error) {
+      if (tries === TRIES) throw error;
+      await new Promise((resolve) => setTimeout(resolve, PAUSE));
+    }
   }
 }

@@ -1,4 +1,4 @@
-/** The worker: decodes chunks, packs them for the renderer and orders splats, so that the page never waits for either. */
+/** The worker: decodes chunks, packs them for the renderer and orders splats, so that the page never blocks. */
 
 import { decodeChunk } from "../codec/decode";
 import { toHex } from "../codec/hex";
@@ -7,13 +7,13 @@ import { provideZstd } from "../codec/zstd";
 import type { FromWorker, ToWorker } from "./messages";
 import { WorkerScene } from "./worker_scene";
 
-// The page's library types describe `self` as a window; of the worker's scope only this much is used.
+// The page's library types declare `self` as a window; this is the used part of the worker's scope.
 const scope = self as unknown as {
   postMessage(message: FromWorker, transfer?: Transferable[]): void;
   onmessage: ((event: MessageEvent<ToWorker>) => void) | null;
 };
 
-/** Check that the bytes are those that the id names, where the browser offers SHA-256 (secure pages only). */
+/** Check that the bytes have the hash of the id, if the browser offers SHA-256 (secure pages only). */
 async function verify(id: string, bytes: Uint8Array<ArrayBuffer>): Promise<void> {
   if (!globalThis.crypto?.subtle) return;
   const digest = toHex(new Uint8Array(await crypto.subtle.digest("SHA-256", bytes)));

@@ -1,9 +1,9 @@
-/** What the worker holds of a scene: the chunks as they came, and what is needed of their splats to order them. */
+/** The worker's part of a scene: compressed chunks, and the data of their splats for orders. */
 
 import type { DecodedChunk } from "../codec/types";
+import { placeStatics } from "../renderer/layout";
 import type { FromWorker, ToWorker } from "./messages";
 import { packDynamics, packFifth, packStatics } from "./pack";
-import { placeStatics } from "./placement";
 import { type OrderRequest, SplatOrderer } from "./splat_order";
 
 interface Chunk {
@@ -13,7 +13,7 @@ interface Chunk {
 
 export class WorkerScene {
   #orderer: SplatOrderer | null = null;
-  /** What is in the textures, as it came: about a tenth of their size, from which a lost context is filled again. */
+  /** The compressed chunks of the textures' content, about a tenth of its size, to fill a restored context. */
   readonly #chunks = new Map<string, Chunk>();
 
   constructor(
@@ -21,7 +21,7 @@ export class WorkerScene {
     readonly post: (message: FromWorker, transfer: Transferable[]) => void,
   ) {}
 
-  /** What the page says. */
+  /** Handle a message of the page. */
   receive(message: Exclude<ToWorker, { type: "decompressor" }>): void {
     switch (message.type) {
       case "scene":
@@ -59,7 +59,7 @@ export class WorkerScene {
   async #repack(): Promise<void> {
     for (const [id, chunk] of [...this.#chunks]) {
       const decoded = await this.decode(id, chunk.bytes);
-      // Else it has been evicted, and its rows may be others'.
+      // Otherwise it has been evicted, and its rows may be in use again.
       if (this.#chunks.get(id) === chunk) this.#pack("packed", id, decoded, chunk.rows);
     }
     this.post({ type: "repacked" }, []);

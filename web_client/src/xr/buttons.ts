@@ -1,11 +1,11 @@
-/** Thumbsticks and buttons of a controller as what they are for, once for every press. */
+/** Thumbsticks and buttons of a controller, as events by purpose, one for every press. */
 
-/** Places in a gamepad of WebXR's mapping "xr-standard". */
+/** Indices of buttons in WebXR's gamepad mapping "xr-standard". */
 const BUTTON = { lower: 4, upper: 5 }; // A or X, B or Y
-const STICK = 2; // the first of its two axes
+const STICK = 2; // first of its two axes
 
 const PUSHED = 0.7;
-const BACK = 0.3; // a stick must come back so far before it counts again
+const BACK = 0.3; // position below which a stick counts again
 const DEAD = 0.15;
 
 export interface Presses {
@@ -15,12 +15,12 @@ export interface Presses {
   readonly upper: boolean;
   /** The stick was pushed to the left (-1) or right (1). */
   readonly flick: -1 | 0 | 1;
-  /** Where the stick is, left to right, -1 to 1; 0 where it rests. */
+  /** Position of the stick, left to right, -1 to 1; 0 at rest. */
   readonly stick: number;
 }
 
 export class Buttons {
-  #lower = true; // held; what is down when one begins to look has not been pressed
+  #lower = true; // held; a button that is down at first does not count as pressed
   #upper = true;
   #flicked = true;
 

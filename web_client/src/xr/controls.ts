@@ -1,4 +1,4 @@
-/** What the viewer's hands do: controllers, bare hands, and whatever else WebXR calls an input source. */
+/** The viewer's hands as commands: controllers, bare hands, and all other input sources of WebXR. */
 
 import { add, scale, type Vec3 } from "../camera/vector";
 import { Buttons } from "./buttons";
@@ -8,10 +8,10 @@ import type { Hold } from "./grab";
 import type { Panel } from "./panel";
 import { type Control, type Ray, rayOf, shareAt } from "./panel_layout";
 
-/** What controls act on. */
+/** The receiver of commands. */
 export interface Commands {
   togglePlay(): void;
-  /** Mute or unmute; nothing without sound in the scene. */
+  /** Mute or unmute; no effect without sound in the scene. */
   toggleMuted(): void;
   /** Move the playhead by a share of the scene's duration. */
   scrub(share: number): void;
@@ -19,21 +19,21 @@ export interface Commands {
   seek(share: number): void;
   /** Turn the viewer to the left, radians. */
   turn(angle: number): void;
-  /** Back to where the viewer stood at first, and to the first size. */
+  /** Return to the first position and size. */
   reset(): void;
   leave(): void;
 }
 
 const SNAP = Math.PI / 6;
-/** Of the scene's duration per second, with the stick pushed all the way. */
+/** Shares of the scene's duration per second, with the stick pushed all the way. */
 const SCRUB_RATE = 0.25;
 const RAY = { length: 1.5, width: 0.003, colour: [1, 1, 1, 0.5] } as const;
 const DOT = 0.012; // metres
 
-/** Something that points, in this frame. */
+/** An input source that points, in this frame. */
 interface Pointer {
   readonly ray: Ray;
-  /** How far it is to the panel, metres; null if it points elsewhere. */
+  /** Distance to the panel, metres; null if it points elsewhere. */
   readonly reach: number | null;
 }
 
@@ -41,7 +41,7 @@ export class Controls {
   readonly #buttons = new Map<XRInputSource, Buttons>();
   readonly #holding = new Set<XRInputSource>();
   readonly #listeners = new AbortController();
-  #dragging: XRInputSource | null = null; // the knob of the bar
+  #dragging: XRInputSource | null = null; // source that holds the knob of the bar
   #pointers: Pointer[] = [];
   #pointed: Control | null = null;
   #head: RoomPose | null = null;
@@ -70,15 +70,15 @@ export class Controls {
     );
   }
 
-  /** The control that something points at. */
+  /** The control under a pointer. */
   get pointed(): Control | null {
     return this.#dragging ? "seek" : this.#pointed;
   }
 
   /**
-   * Look at all hands in a frame at `now`, milliseconds, `passed` seconds after the last one.
+   * Read all hands in a frame at `now`, milliseconds, `passed` seconds after the last one.
    *
-   * @returns those that hold the scene
+   * @returns the hands that hold the scene
    */
   update(frame: XRFrame, head: RoomPose, now: number, passed: number): Hold[] {
     this.#head = head;
@@ -97,7 +97,7 @@ export class Controls {
     return holds;
   }
 
-  /** Draw what points at the panel that is shown. */
+  /** Draw the pointers at the visible panel. */
   draw(eye: EyeMatrices, at: Vec3): void {
     for (const { ray, reach } of this.#pointers) {
       const end = add(ray.origin, scale(ray.direction, reach ?? RAY.length));
@@ -126,7 +126,7 @@ export class Controls {
       if (point) this.commands.seek(shareAt(point.x));
       if (this.#head) this.panel.wake(this.#head, this.#now);
     }
-    if (source.targetRayMode !== "tracked-pointer") return; // a finger on a screen, or a gaze, shows itself
+    if (source.targetRayMode !== "tracked-pointer") return; // fingers on a screen and gazes need no ray
     const point = this.panel.pointed(ray, this.#now);
     this.#pointers.push({ ray, reach: point?.distance ?? null });
     if (!point) return;
@@ -148,7 +148,7 @@ export class Controls {
     if ((lower || flick !== 0 || stick !== 0) && this.#head) this.panel.wake(this.#head, this.#now);
   }
 
-  /** At once, because a tap on a screen is over before the next frame. */
+  /** Handle a press at once: a tap on a screen is over before the next frame. */
   #press({ inputSource, frame }: XRInputSourceEvent): void {
     const pose = this.#pose(frame, inputSource.targetRaySpace);
     const point = pose && this.panel.pointed(rayOf(pose), this.#now);

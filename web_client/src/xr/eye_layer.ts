@@ -1,8 +1,8 @@
-/** What a session's eyes are drawn into: their framebuffer, and how finely. */
+/** The layer of a session's eyes: their framebuffer, and its fineness. */
 
 import { comfortableRate, EyeQualityControl } from "./eye_quality";
 
-/** The near and far planes of the session's projections, metres; flat things are drawn between them. */
+/** The near and far planes of the session's projections, metres; flat objects are drawn between them. */
 export const NEAR = 0.05;
 const FAR = 100;
 
@@ -16,14 +16,14 @@ export class EyeLayer {
   ) {
     const rate = comfortableRate(session.supportedFrameRates);
     this.#quality = new EyeQualityControl(rate ?? session.frameRate ?? 72);
-    // Some headsets name rates that they then refuse, and keep their own.
+    // Some headsets list rates that they then refuse, and keep their own.
     if (rate !== null) void session.updateTargetFrameRate?.(rate).catch(() => {});
     session.addEventListener("frameratechange", () => {
       this.#quality.frameRate = session.frameRate ?? this.#quality.frameRate;
     });
   }
 
-  /** Make the framebuffer, for the first time or after the context has come back. */
+  /** Create the framebuffer, also after a restoration of the context. */
   async create(): Promise<void> {
     await this.gl.makeXRCompatible();
     this.#make();
@@ -34,13 +34,13 @@ export class EyeLayer {
     this.#lost = this.session.renderState.baseLayer ?? null;
   }
 
-  /** What to draw a frame into at `now`, milliseconds; null while there is nothing. */
+  /** The layer for a frame at `now`, milliseconds; null while there is none. */
   begin(now: number): XRWebGLLayer | null {
     const layer = this.session.renderState.baseLayer;
     if (!layer || layer === this.#lost || this.gl.isContextLost()) return null;
     if (this.#quality.frame(now)) {
       if (scalesViewports()) this.#foveate(layer);
-      else this.#make(); // shown from the next frame on
+      else this.#make(); // visible from the next frame on
     }
     return layer;
   }
@@ -52,12 +52,12 @@ export class EyeLayer {
     return viewport && viewport.width > 0 && viewport.height > 0 ? viewport : null;
   }
 
-  /** So many splats to draw for each eye at most. */
+  /** Largest number of splats for each eye. */
   get splats(): number {
     return this.#quality.quality.splats;
   }
 
-  /** Frames have been held up for a reason of their own. */
+  /** Ignore an interruption of frames with a reason of its own. */
   interrupted(): void {
     this.#quality.interrupted();
   }
@@ -79,5 +79,5 @@ export class EyeLayer {
   }
 }
 
-/** Whether the browser scales viewports from frame to frame; else the framebuffer is made anew. */
+/** Whether the browser scales viewports from frame to frame; otherwise the framebuffer is created again. */
 const scalesViewports = (): boolean => typeof XRView !== "undefined" && "requestViewportScale" in XRView.prototype;

@@ -1,20 +1,20 @@
 /**
- * How finely a headset's pictures are drawn: as finely as the device keeps up with. A frame that is missed is felt by the
- * whole body, a coarser picture hardly.
+ * The quality of a headset's pictures: as fine as the device can keep up with. The whole body feels a missed frame; it
+ * hardly notices a coarser picture.
  */
 
 export interface EyeQuality {
-  /** Of the full width and height. */
+  /** Factor of the full width and height. */
   readonly scale: number;
   /** Fixed foveation, 0 to 1. */
   readonly foveation: number;
-  /** So many splats are drawn for each eye at most, the most useful ones. */
+  /** Largest number of splats for each eye; the most useful ones are drawn. */
   readonly splats: number;
 }
 
 const ALL = Number.POSITIVE_INFINITY;
 
-/** Finest first. */
+/** The qualities, finest first. */
 export const EYE_QUALITIES: readonly EyeQuality[] = [
   { scale: 1, foveation: 0.25, splats: ALL },
   { scale: 0.85, foveation: 0.5, splats: ALL },
@@ -24,13 +24,13 @@ export const EYE_QUALITIES: readonly EyeQuality[] = [
   { scale: 0.55, foveation: 1, splats: 100_000 },
 ];
 
-/** An interval this much longer than a frame means that a frame was missed. */
+/** Relative interval between frames beyond which a frame was missed. */
 const LATE = 1.4;
-/** So many frames are looked at before anything changes. */
+/** Frames in a measurement. */
 const WINDOW = 72;
-/** With more late ones than this share the picture becomes coarser. */
+/** Share of late frames beyond which the picture becomes coarser. */
 const TOO_MANY = 0.15;
-/** Windows without trouble before a finer picture is tried; twice as many after every try that failed. */
+/** Windows without late frames before a finer picture is tried; doubled after every failed try. */
 const PATIENCE = 4;
 const LONGEST_PATIENCE = 64;
 
@@ -41,9 +41,13 @@ export class EyeQualityControl {
   #late = 0;
   #calm = 0; // windows
   #patience = PATIENCE;
-  #tried = false; // the last change was to a finer picture
+  #tried = false; // true after a change to a finer picture
 
-  /** @param frameRate that the device aims at, frames per second. */
+  /**
+   * Control the quality.
+   *
+   * @param frameRate target of the device, frames per second.
+   */
   constructor(public frameRate: number) {}
 
   get quality(): EyeQuality {
@@ -65,7 +69,7 @@ export class EyeQualityControl {
     return changed;
   }
 
-  /** Frames have been held up for a reason of their own, such as a headset taken off: look anew. */
+  /** Restart the measurement after an interruption, such as a headset taken off. */
   interrupted(): void {
     this.#last = null;
     this.#frames = 0;
@@ -87,7 +91,7 @@ export class EyeQualityControl {
   }
 }
 
-/** The rate to ask a headset for: the lowest that is comfortable, which leaves the most time for each picture. */
+/** The rate to request from a headset: the lowest comfortable one, which leaves the most time for each picture. */
 export function comfortableRate(supported: ArrayLike<number> | undefined): number | null {
   const rates = Array.from(supported ?? []).sort((a, b) => a - b);
   return rates.find((rate) => rate >= 72) ?? rates.at(-1) ?? null;

@@ -1,11 +1,11 @@
-/** Draws flat things over the splats for an eye: the panel with its picture, and thin rays. Depth is not looked at. */
+/** The drawer of flat objects over the splats of an eye: the panel with its picture, and thin rays, without depth. */
 
 import { add, cross, length, normalise, scale, subtract, type Vec3 } from "../camera/vector";
 import { Program } from "../renderer/program";
 import fragmentShader from "./flat.frag?raw";
 import vertexShader from "./flat.vert?raw";
 
-/** A rectangle in the room: a corner, and the sides that start there. */
+/** A rectangle in the room: a corner, and the sides from there. */
 export interface Quad {
   readonly corner: Vec3;
   readonly along: Vec3;
@@ -41,12 +41,12 @@ export class FlatDrawer {
     gl.pixelStorei(gl.UNPACK_FLIP_Y_WEBGL, true);
     gl.pixelStorei(gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, true);
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, gl.RGBA, gl.UNSIGNED_BYTE, picture);
-    gl.pixelStorei(gl.UNPACK_FLIP_Y_WEBGL, false); // as the splats' textures need it
+    gl.pixelStorei(gl.UNPACK_FLIP_Y_WEBGL, false); // the splats' textures require it
     gl.pixelStorei(gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, false);
     gl.generateMipmap(gl.TEXTURE_2D);
   }
 
-  /** Draw a rectangle into the viewport that is set: in one colour, or with the panel's picture. */
+  /** Draw a rectangle into the current viewport: in one colour, or with the panel's picture. */
   draw({ corner, along, up }: Quad, { projection, eyeFromRoom }: EyeMatrices, colour?: Colour): void {
     const { gl } = this;
     const roomFromQuad = [...along, 0, ...up, 0, 0, 0, 0, 0, ...corner, 1];
@@ -74,7 +74,7 @@ export class FlatDrawer {
   }
 }
 
-/** A ribbon from `from` to `to`, metres wide `width`, that shows its face to `eye`. */
+/** A ribbon from `from` to `to`, `width` metres wide, with its face towards `eye`. */
 export function ribbon(from: Vec3, to: Vec3, width: number, eye: Vec3): Quad {
   const up = subtract(to, from);
   const side = cross(up, subtract(eye, from));

@@ -1,37 +1,38 @@
-/** Takes hold of the scene: one hand moves and turns it, two hands scale it, too. The vertical stays upright. */
+/** Grabbing the scene: one hand moves and turns it, two hands scale it, too. The vertical stays upright. */
 
 import { add, length, type Mat3, scale, subtract, type Vec3 } from "../camera/vector";
 import { compose, inverse, motion, multiply, type Similarity, transpose, yawOf } from "./similarity";
 
 /** A hand that holds the scene. */
 export interface Hold {
-  /** Anything that is the same for the same hand. */
+  /** Identity of the hand. */
   readonly hand: object;
   /** In the room, metres. */
   readonly position: Vec3;
   readonly rotation: Mat3;
 }
 
-/** How much larger or smaller than at first the scene may become. */
+/** Largest factor of enlargement or reduction, relative to the first size. */
 const LARGEST = 50;
-/** Hands closer than this tell no direction, metres. */
+/** Distance of hands below which they define no direction, metres. */
 const APART = 0.02;
 
 export class Grab {
   #last: readonly Hold[] = [];
 
   /**
-   * Follow the hands that hold now to where the scene is then.
+   * Move the scene with the hands that hold it.
    *
    * @param usual world units to a metre at first
    */
   update(sceneFromRoom: Similarity, holds: readonly Hold[], usual: number): Similarity {
     const last = this.#last;
     this.#last = holds;
-    // When a hand lets go or joins, the others go on from where they are.
+    // When a hand releases the scene or joins, the others continue from there.
     const same = holds.length === last.length && holds.every(({ hand }, i) => hand === last[i].hand);
     if (!same || holds.length === 0) return sceneFromRoom;
-    const moved = holds.length === 1 ? oneHand(last[0], holds[0]) : twoHands(last, holds, sceneFromRoom.scale / usual); // metres grow as world units to a metre shrink
+    // The scene shrinks as world units to a metre grow.
+    const moved = holds.length === 1 ? oneHand(last[0], holds[0]) : twoHands(last, holds, sceneFromRoom.scale / usual);
     return compose(sceneFromRoom, inverse(moved));
   }
 }
@@ -41,7 +42,7 @@ function oneHand(before: Hold, after: Hold): Similarity {
   return motion(turn, 1, before.position, after.position);
 }
 
-/** `shrunk`: how many times smaller than at first the scene is. */
+/** Motion by two hands. `shrunk`: the scene's reduction relative to the first size. */
 function twoHands([a, b]: readonly Hold[], [c, d]: readonly Hold[], shrunk: number): Similarity {
   const before = subtract(b.position, a.position);
   const after = subtract(d.position, c.position);
@@ -54,7 +55,7 @@ function twoHands([a, b]: readonly Hold[], [c, d]: readonly Hold[], shrunk: numb
   return motion(turn, factor, middle(a, b), middle(c, d));
 }
 
-/** The scene after the viewer, whose head is at `head` in the room, has turned to the left by `angle`, radians. */
+/** The scene after the viewer, with the head at `head` in the room, has turned to the left by `angle`, radians. */
 export function turned(sceneFromRoom: Similarity, head: Vec3, angle: number): Similarity {
   return compose(sceneFromRoom, motion(angle, 1, head, head));
 }

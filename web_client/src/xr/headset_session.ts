@@ -1,13 +1,13 @@
 /**
- * A scene in a headset, from entering to leaving: every frame of the headset is drawn from where its eyes are then,
- * although the order of the splats may be of the frame before; one order serves both eyes.
+ * A scene in a headset, from entering to leaving: every frame is drawn for the current poses of the eyes, although the
+ * order of the splats may be that of the previous frame; one order serves both eyes.
  */
 
+import { startCamera } from "../camera/pinhole";
 import { projectedIntrinsics, type Viewport } from "../camera/projection";
-import { startCamera } from "../camera/start";
 import type { Vec3 } from "../camera/vector";
 import type { HgsPlayer } from "../player/hgs_player";
-import type { ScenePlayer } from "../player/scene_canvas";
+import type { SceneCanvas } from "../player/scene_canvas";
 import type { Shot } from "../renderer/shot";
 import type { View } from "../scene/view";
 import { type Commands, Controls } from "./controls";
@@ -15,13 +15,12 @@ import { type RoomPose, roomPose, scenePose } from "./eye_camera";
 import { EyeLayer, NEAR } from "./eye_layer";
 import type { EyeMatrices } from "./flat_drawer";
 import { Grab, turned } from "./grab";
-import { requestSpace } from "./headset_space";
 import { Panel } from "./panel";
 import type { Similarity } from "./similarity";
-import { standingPlace } from "./standing_place";
+import { requestSpace, standingPlace } from "./standing_place";
 import { panelState, sceneCommands } from "./transport";
 
-/** Splats closer to an eye than this fade, so that nothing pops as the head moves, metres. */
+/** Distance to an eye below which splats fade, metres: nothing pops as the head moves. */
 const CLEAR = 0.25;
 
 /** An eye in one frame. */
@@ -29,7 +28,7 @@ interface Eye {
   readonly viewport: Viewport;
   readonly view: View;
   readonly matrices: EyeMatrices;
-  readonly position: Vec3; // in the room
+  readonly position: Vec3; // room coordinates
 }
 
 export class HeadsetSession {
@@ -42,13 +41,13 @@ export class HeadsetSession {
   #sceneFromRoom: Similarity;
   #head: RoomPose | null = null;
   #last = 0; // ms
-  #resume = false; // play when the headset shows the scene again
+  #resume = false; // whether to play when the headset shows the scene again
 
   /**
-   * Show the player's scene in a session that has just begun, seen at first from where its camera of that name stood. When
-   * the session is over, whoever has ended it, the page plays on its own again.
+   * Show the player's scene in a new session, at first from its capture camera. When the session ends, for any reason,
+   * the page continues by itself.
    *
-   * @throws Error if the headset or the browser cannot, or no scene is there; then the session has been ended
+   * @throws Error if the headset or the browser fails, or there is no scene; then the session has been ended
    */
   static async begin(session: XRSession, player: HgsPlayer): Promise<void> {
     try {
@@ -68,7 +67,7 @@ export class HeadsetSession {
   private constructor(
     readonly session: XRSession,
     readonly player: HgsPlayer,
-    readonly scene: ScenePlayer,
+    readonly scene: SceneCanvas,
     first: Similarity,
     readonly space: XRReferenceSpace,
     layer: EyeLayer,
@@ -84,12 +83,12 @@ export class HeadsetSession {
     session.addEventListener("visibilitychange", () => this.#visibility(), { signal });
     canvas.addEventListener("webglcontextlost", () => layer.forget(), { signal });
     canvas.addEventListener("webglcontextrestored", () => void this.#restore(), { signal });
-    player.addEventListener("loadstart", () => this.leave(), { signal }); // another scene, on the page
+    player.addEventListener("loadstart", () => this.leave(), { signal }); // another scene on the page
     scene.drive(true);
     this.#ask();
   }
 
-  /** Leave; the page goes on. */
+  /** Leave the session; the page continues. */
   leave(): void {
     void this.session.end().catch(() => {}); // it may be over already
   }
@@ -102,7 +101,7 @@ export class HeadsetSession {
     this.#ask();
     const layer = this.#layer.begin(now);
     const pose = frame.getViewerPose(this.space);
-    if (!layer || !pose) return; // tracking is lost: the headset keeps showing the last picture
+    if (!layer || !pose) return; // tracking is lost: the headset keeps the last picture
     const head = roomPose(pose.transform);
     if (!this.#head) this.#panel.wake(head, now);
     const holds = this.#controls.update(frame, head, now, this.#head ? Math.min(0.1, (now - this.#last) / 1000) : 0);
@@ -134,7 +133,7 @@ export class HeadsetSession {
   #draw(layer: XRWebGLLayer, eyes: readonly Eye[], shots: readonly Shot[], now: number): void {
     const { splats, background } = this.scene.renderer;
     const { gl } = splats;
-    // Where the real room is seen behind the scene, nothing may cover it.
+    // Nothing may cover the real room behind the scene.
     const opaque = this.session.environmentBlendMode === "opaque";
     const panel = this.#panel.shown(now);
     if (panel) this.#panel.paint(panelState(this.player, this.#controls.pointed));
@@ -154,7 +153,7 @@ export class HeadsetSession {
     gl.disable(gl.SCISSOR_TEST);
   }
 
-  /** As an eye sees it, which may be anywhere, and never rests. */
+  /** The shot for an eye, which may be at any place, and never rests. */
   #shot(shot: Shot): Shot {
     return {
       ...shot,
@@ -176,7 +175,7 @@ export class HeadsetSession {
     };
   }
 
-  /** Nobody watches, or something lies over the scene: it waits. */
+  /** Pause while the headset is off or something covers the scene. */
   #visibility(): void {
     this.#layer.interrupted();
     if (this.session.visibilityState === "visible") {
@@ -188,13 +187,13 @@ export class HeadsetSession {
     }
   }
 
-  /** The context has come back, and the player has filled it again. */
+  /** Continue after the player has filled the restored context. */
   async #restore(): Promise<void> {
     try {
       this.#panel.attach(this.scene.renderer.splats.gl);
       await this.#layer.create();
     } catch {
-      this.leave(); // on the page the picture may come back yet
+      this.leave(); // the page may still restore its picture
     }
   }
 

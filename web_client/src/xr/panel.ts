@@ -1,4 +1,4 @@
-/** The panel of controls in the room: before the viewer when it is wanted, and away when it is not. */
+/** The panel of controls in the room: in front of the viewer on demand, and hidden otherwise. */
 
 import { add, apply, dot, length, normalise, row, scale, subtract, type Vec3 } from "../camera/vector";
 import type { RoomPose } from "./eye_camera";
@@ -7,19 +7,23 @@ import { type Control, controlAt, onPanel, PANEL, type PanelPoint, pointOn, type
 import { PanelPicture, type PanelState } from "./panel_picture";
 import { multiply, transpose, yawRotation } from "./similarity";
 
-const AWAY = 0.8; // metres before the eyes
-const BELOW = 0.35; // metres below them
-const IDLE = 5000; // ms without anybody touching anything until it goes
-/** It comes along when it is so far off, metres, or outside this angle of where one looks. */
+const AWAY = 0.8; // metres in front of the eyes
+const BELOW = 0.35; // metres below the eyes
+const IDLE = 5000; // ms without input before it hides
+/** Distance, metres, and angle to the gaze beyond which the panel follows the viewer. */
 const LOST = { distance: 1.5, cosine: Math.cos(0.9) };
 
 export class Panel {
   readonly #picture = new PanelPicture();
   #drawer: FlatDrawer | null = null;
-  #place: RoomPose | null = null; // null before it has first been shown
+  #place: RoomPose | null = null; // null before it is first shown
   #until = 0; // ms
 
-  /** @param gl a context that is not lost; anew when it has come back. */
+  /**
+   * Draw with a context.
+   *
+   * @param gl a context that is not lost; to be called again after a restoration.
+   */
   attach(gl: WebGL2RenderingContext): void {
     this.#drawer = new FlatDrawer(gl);
     this.#drawer.upload(this.#picture.canvas);
@@ -29,20 +33,20 @@ export class Panel {
     return this.#place !== null && now < this.#until;
   }
 
-  /** Somebody touches something: show the panel, where the viewer at `head` sees it. */
+  /** Show the panel in view of the head at `head`, after an input. */
   wake(head: RoomPose, now: number): void {
     if (!this.shown(now) || this.#outOfSight(head)) this.#place = placeBefore(head);
     this.#until = now + IDLE;
   }
 
-  /** Where a ray meets the panel that is shown. */
+  /** The intersection of a ray with the visible panel. */
   pointed(ray: Ray, now: number): (PanelPoint & { readonly control: Control | null }) | null {
     if (!this.#place || !this.shown(now)) return null;
     const point = pointOn(this.#place, ray);
     return point && onPanel(point) ? { ...point, control: controlAt(point.x, point.y) } : null;
   }
 
-  /** As `pointed`, but on the whole plane of the panel: for a drag that leaves it. */
+  /** The intersection of a ray with the whole plane of the panel: for a drag that leaves it. */
   beside(ray: Ray): PanelPoint | null {
     return this.#place && pointOn(this.#place, ray);
   }
@@ -55,7 +59,7 @@ export class Panel {
     if (this.#place) this.#drawer?.draw(quadOf(this.#place), eye);
   }
 
-  /** Draw something else flat with the same program. */
+  /** Draw another flat object with the same program. */
   drawQuad(quad: Quad, eye: EyeMatrices, colour: readonly [number, number, number, number]): void {
     this.#drawer?.draw(quad, eye, colour);
   }
@@ -73,7 +77,7 @@ export class Panel {
   }
 }
 
-/** Level before the viewer, below the eyes, its face tilted towards them. */
+/** A level place in front of the viewer, below the eyes, with its face tilted towards them. */
 function placeBefore(head: RoomPose): RoomPose {
   const [x, , z] = rayOf(head).direction;
   const level = yawRotation(Math.atan2(-x, -z));

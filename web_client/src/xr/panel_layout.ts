@@ -1,4 +1,4 @@
-/** Where the controls lie on the panel that floats before the viewer. */
+/** The layout of the controls on the panel in front of the viewer. */
 
 import { add, dot, row, scale, subtract, type Vec3 } from "../camera/vector";
 import type { RoomPose } from "./eye_camera";
@@ -13,12 +13,12 @@ export interface Rectangle {
   readonly height: number;
 }
 
-/** In metres. */
+/** Size in metres. */
 export const PANEL = { width: 0.64, height: 0.2 };
-/** Of its picture. */
+/** Size of its picture, pixels. */
 export const PIXELS = { width: 1024, height: 320 };
 
-/** In pixels of the picture, from its top left corner. */
+/** Places in pixels of the picture, from its top left corner. */
 export const CONTROLS: Readonly<Record<Control, Rectangle>> = {
   play: { x: 24, y: 24, width: 136, height: 136 },
   seek: { x: 192, y: 24, width: 808, height: 136 },
@@ -37,34 +37,34 @@ export function controlAt(x: number, y: number): Control | null {
   return (Object.keys(CONTROLS) as Control[]).find((name) => inside(CONTROLS[name])) ?? null;
 }
 
-/** The share of the scene's duration that a point of the bar stands for. */
+/** The share of the scene's duration at a point of the bar. */
 export const shareAt = (x: number): number => Math.min(1, Math.max(0, (x - BAR.x) / BAR.width));
 
 export interface Ray {
   readonly origin: Vec3;
-  readonly direction: Vec3; // of length 1
+  readonly direction: Vec3; // unit vector
 }
 
-/** Where a ray meets the panel's plane. */
+/** The intersection of a ray with the panel's plane. */
 export interface PanelPoint {
-  /** Pixels of the picture; may lie beside it. */
+  /** Pixels of the picture; may be outside it. */
   readonly x: number;
   readonly y: number;
   /** Metres from the ray's origin. */
   readonly distance: number;
 }
 
-/** The ray of something that points: along its own forward axis. */
+/** The ray of a pointer: along its own forward axis. */
 export const rayOf = ({ position, rotation }: RoomPose): Ray => ({
   origin: position,
   direction: scale(row(transpose(rotation), 2), -1),
 });
 
-/** Where the ray meets the plane of a panel whose middle is at `panel`; null if it never does. */
+/** The intersection of a ray with the plane of a panel with its middle at `panel`; null if there is none. */
 export function pointOn(panel: RoomPose, { origin, direction }: Ray): PanelPoint | null {
   const axes = transpose(panel.rotation); // rows: right, up, towards the viewer
   const facing = dot(direction, row(axes, 2));
-  if (facing > -1e-6) return null; // along it, or from behind
+  if (facing > -1e-6) return null; // parallel to it, or from behind
   const distance = dot(subtract(panel.position, origin), row(axes, 2)) / facing;
   if (distance < 0) return null;
   const hit = subtract(add(origin, scale(direction, distance)), panel.position);

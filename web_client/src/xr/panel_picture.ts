@@ -1,4 +1,4 @@
-/** Paints the panel; again only when something on it has changed. */
+/** The picture of the panel, painted again only when something on it has changed. */
 
 import { BAR, CONTROLS, type Control, PIXELS, type Rectangle } from "./panel_layout";
 
@@ -6,13 +6,13 @@ export interface PanelState {
   readonly playing: boolean;
   /** Whether anything moves in the scene. */
   readonly moves: boolean;
-  /** Of the scene's duration, 0 to 1. */
+  /** Share of the scene's duration, 0 to 1. */
   readonly share: number;
   /** "0:01.2 / 0:10.0" */
   readonly time: string;
-  /** Whether the scene is silent; null if it has no sound. */
+  /** Whether the scene is muted; null if it has no sound. */
   readonly muted: boolean | null;
-  /** What a hand points at. */
+  /** The control under a hand's pointer. */
   readonly pointed: Control | null;
 }
 
@@ -31,7 +31,7 @@ export class PanelPicture {
     this.#context = context;
   }
 
-  /** Returns whether the picture has changed. */
+  /** Paint the panel; returns whether the picture has changed. */
   paint(state: PanelState): boolean {
     const content = JSON.stringify({ ...state, share: Math.round(state.share * BAR.width) });
     if (content === this.#painted) return false;

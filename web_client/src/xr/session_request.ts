@@ -1,4 +1,4 @@
-/** Asking for a session, and what to say when that is refused. */
+/** The request of a session, and the sentences for a refusal. */
 
 import type { HeadsetMode } from "./offer";
 
@@ -11,7 +11,7 @@ export function requestSession(xr: XRSystem, mode: HeadsetMode): Promise<XRSessi
   return xr.requestSession(mode, { optionalFeatures: ["local-floor", "bounded-floor", "hand-tracking"] });
 }
 
-/** The words for a headset that could not be entered. */
+/** The sentence for a headset that could not be entered. */
 export function describeRefusal(error: unknown): string {
   switch (error instanceof DOMException ? error.name : "") {
     case "NotAllowedError":

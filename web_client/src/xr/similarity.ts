@@ -1,11 +1,11 @@
 /**
- * Turn, scale and shift between the room, which WebXR measures in metres (x right, y up, z backwards), and the scene.
- * The rotation is always a proper one, so that nothing can come out mirrored.
+ * Similarities between the room, which WebXR measures in metres (x right, y up, z backwards), and the scene: rotation,
+ * scale and shift. The rotation is always a proper one, so nothing is ever mirrored.
  */
 
 import { add, apply, type Mat3, row, scale, subtract, type Vec3 } from "../camera/vector";
 
-/** q = `scale` `rotation` p + `translation`; the rotation is row-major and of determinant 1. */
+/** The map q = `scale` `rotation` p + `translation`; the rotation is row-major, with determinant 1. */
 export interface Similarity {
   readonly rotation: Mat3;
   readonly scale: number;
@@ -31,18 +31,18 @@ export function rotationOf({ x, y, z, w }: { x: number; y: number; z: number; w:
   ];
 }
 
-/** About the room's vertical, counter-clockwise seen from above; radians. */
+/** A rotation about the room's vertical, counter-clockwise seen from above; radians. */
 export function yawRotation(angle: number): Mat3 {
   const [c, s] = [Math.cos(angle), Math.sin(angle)];
   return [c, 0, s, 0, 1, 0, -s, 0, c];
 }
 
-/** How far a rotation turns about the room's vertical; radians. */
+/** The angle of a rotation about the room's vertical; radians. */
 export const yawOf = (m: Mat3): number => Math.atan2(m[2] - m[6], m[0] + m[8]);
 
 export const transformed = (s: Similarity, p: Vec3): Vec3 => add(scale(apply(s.rotation, p), s.scale), s.translation);
 
-/** First `b`, then `a`. */
+/** The similarity of first `b`, then `a`. */
 export function compose(a: Similarity, b: Similarity): Similarity {
   return {
     rotation: multiply(a.rotation, b.rotation),
@@ -56,7 +56,7 @@ export function inverse({ rotation, scale: factor, translation }: Similarity): S
   return { rotation: back, scale: 1 / factor, translation: scale(apply(back, translation), -1 / factor) };
 }
 
-/** The motion of the room that turns by `angle` about the vertical, scales, and brings the point `from` to `to`. */
+/** The motion of the room that turns by `angle` about the vertical, scales, and moves the point `from` to `to`. */
 export function motion(angle: number, factor: number, from: Vec3, to: Vec3): Similarity {
   const rotation = yawRotation(angle);
   return { rotation, scale: factor, translation: subtract(to, scale(apply(rotation, from), factor)) };

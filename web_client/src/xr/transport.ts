@@ -1,4 +1,4 @@
-/** The player's playhead, as the panel shows it and as hands move it. */
+/** The player's playhead for the panel, and its control by hands. */
 
 import type { HgsPlayer } from "../player/hgs_player";
 import { isSilent, toggleMuted } from "../sound/muting";

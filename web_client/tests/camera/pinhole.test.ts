@@ -1,6 +1,18 @@
 import { describe, expect, it } from "vitest";
-import { eyeOf, fitted, pixelToClip, poseAt, poseOf, project, resized, unproject } from "../../src/camera/pinhole";
+import {
+  eyeOf,
+  fitted,
+  pixelToClip,
+  poseAt,
+  poseOf,
+  project,
+  resized,
+  startCamera,
+  unproject,
+} from "../../src/camera/pinhole";
 import { apply, type Vec3 } from "../../src/camera/vector";
+import type { ManifestCamera } from "../../src/codec/types";
+import { manifest } from "../scene";
 
 const CAMERA = { width: 640, height: 360, fx: 500, fy: 510, cx: 330, cy: 170, near: 0.2 };
 const FRONT = poseOf([
@@ -115,4 +127,31 @@ describe("picture sizes", () => {
   it("shows a picture of the canvas's shape whole", () => {
     expect(edges(1920, 1080)).toEqual({ left: 0, right: 1920, top: 0, bottom: 1080 });
   });
+});
+
+const camera = (name: string, x: number): ManifestCamera => ({
+  name,
+  width: 640,
+  height: 360,
+  fx: 500,
+  fy: 500,
+  cx: 320,
+  cy: 180,
+  near: 0.01,
+  worldToCamera: [
+    [1, 0, 0, x],
+    [0, 1, 0, 0],
+    [0, 0, 1, 3],
+    [0, 0, 0, 1],
+  ],
+});
+const scene = manifest({ cameras: [camera("a", 1), camera("b", 2)] });
+
+it("takes the named camera, else the first", () => {
+  expect(startCamera(scene, "b").pose.translation).toEqual([2, 0, 3]);
+  expect(startCamera(scene, null).name).toBe("a");
+});
+
+it("names the cameras there are", () => {
+  expect(() => startCamera(scene, "c")).toThrow("camera c: the scene has no such camera; there are a, b");
 });

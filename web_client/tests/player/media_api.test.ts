@@ -1,6 +1,6 @@
 import { beforeEach, expect, it, vi } from "vitest";
 import type { Manifest } from "../../src/codec/types";
-import { asked, PlayedScene, played } from "../../src/player/media_api";
+import { asked, MediaApi, withMediaApi } from "../../src/player/media_api";
 import { PlayerClock } from "../../src/scene/clock";
 import type { Playback } from "../../src/scene/playback";
 
@@ -11,7 +11,7 @@ class Host {
 const told = vi.fn();
 const changed = vi.fn();
 
-class Scene extends played(Host) {
+class Scene extends withMediaApi(Host) {
   manifest: Manifest | null = null;
   protected asked = asked({ loop: true, autoplay: true, playbackRate: 2, time: 3 });
   protected playback: Playback | null = null;
@@ -43,7 +43,7 @@ it("is what its base is, and a played scene", () => {
   expect(scene).toBeInstanceOf(Host);
   for (const member of ["play", "seek", "currentTime", "buffered"]) expect(member in scene).toBe(true);
   expect("play" in Host.prototype).toBe(false);
-  expect(scene.constructor).not.toBe(PlayedScene);
+  expect(scene.constructor).not.toBe(MediaApi);
 });
 
 it("keeps what it is asked for until the scene is there", () => {

@@ -1,17 +1,17 @@
 import { expect, it, vi } from "vitest";
 import { asked } from "../../src/player/media_api";
-import type { ScreenedScene } from "../../src/player/mounted_scene";
-import { PicturedPlayer } from "../../src/player/player_readings";
+import type { MountedScene } from "../../src/player/mounted_scene";
+import { PlayerReadings } from "../../src/player/player_readings";
 
 const PIXELS = { width: 1, height: 1 };
 
-class Player extends PicturedPlayer {
+class Player extends PlayerReadings {
   protected asked = asked({});
   protected changed = vi.fn();
   protected tell = vi.fn();
   protected settled = async () => true;
 
-  constructor(protected screened: ScreenedScene | null) {
+  constructor(protected mounted: MountedScene | null) {
     super();
   }
 }
@@ -27,7 +27,7 @@ it("reads the scene that is there", () => {
   const readPixels = vi.fn(() => PIXELS);
   const stats = { splats: 3 };
   const shown = { manifest: { end: 2 }, canvas: { width: 8, height: 6 }, player: { stats, readPixels } };
-  const player = new Player(shown as unknown as ScreenedScene);
+  const player = new Player(shown as unknown as MountedScene);
   const { manifest, width, height, scene, statistics } = player;
   expect([manifest, width, height, scene, statistics]).toEqual([{ end: 2 }, 8, 6, shown.player, stats]);
   expect([player.readPixels(), player.readPixels({ float: true })]).toEqual([PIXELS, PIXELS]);

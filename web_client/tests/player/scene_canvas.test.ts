@@ -1,13 +1,15 @@
 import { afterEach, beforeEach, expect, it, vi } from "vitest";
-import { ScenePlayer } from "../../src/player/scene_canvas";
+import { SceneCanvas } from "../../src/player/scene_canvas";
 import { LADDER } from "../../src/renderer/fineness";
 import type { View } from "../../src/scene/view";
 import type { SceneSource, SourceEvents } from "../../src/source/scene_source";
 import { fakeCanvas } from "../canvas";
 import { twoSegments, WorkerDouble } from "../worker_double";
 
-vi.mock("../../src/worker/start_worker", () => ({ startWorker: () => new WorkerDouble() }));
-vi.mock("../../src/worker/decompressor", () => ({ decompressor: () => new Promise(() => {}) }));
+vi.mock("../../src/worker/start_worker", () => ({
+  startWorker: () => new WorkerDouble(),
+  decompressor: () => new Promise(() => {}),
+}));
 
 const view: View = {
   pose: { rotation: [1, 0, 0, 0, 1, 0, 0, 0, 1], translation: [0, 0, 0] },
@@ -16,7 +18,7 @@ const view: View = {
 
 let frames: ((now: number) => void)[];
 let draw: ReturnType<typeof vi.fn>;
-let player: ScenePlayer;
+let player: SceneCanvas;
 let busy: boolean;
 
 /** A complete scene that plays, on a device that is never done with a picture while it is `busy`. */
@@ -31,7 +33,7 @@ beforeEach(() => {
   const device = { clientWaitSync: () => (busy ? 1 : 0) }; // every constant of the context is 1, so that of a timeout, too
   const silent = () => {};
   let source: SourceEvents | undefined;
-  player = new ScenePlayer({
+  player = new SceneCanvas({
     canvas: fakeCanvas({ drawArraysInstanced: draw, ...device }),
     source: (events) => {
       source = events;

@@ -1,6 +1,6 @@
 import { beforeEach, describe, expect, it } from "vitest";
+import type { Quality } from "../../src/renderer/fineness";
 import { checkedSplats, LADDER, QualityControl } from "../../src/renderer/fineness";
-import type { Quality } from "../../src/renderer/quality_names";
 
 let control: QualityControl;
 

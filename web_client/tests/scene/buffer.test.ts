@@ -1,50 +1,50 @@
 import { describe, expect, it } from "vitest";
 import { SceneBuffer } from "../../src/scene/buffer";
-import { entry, manifest, slice } from "../scene";
+import { draw, entry, manifest, slice } from "../scene";
 
 const slices = [slice(0, 0.5, ["a"]), slice(0.5, 1, ["b"], ["a"]), slice(1, 2, ["c", "d"])];
 
 describe("SceneBuffer", () => {
   it("is ready only where every chunk of the slice is here", () => {
     const buffer = new SceneBuffer(manifest({ slices }));
-    buffer.arrived("c");
+    draw(buffer, "c");
     expect(buffer.ready(1.5)).toBe(false);
-    buffer.arrived("d");
+    draw(buffer, "d");
     expect(buffer.ready(1.5)).toBe(true);
   });
 
   it("waits for the chunks of earlier slices that are still alive", () => {
     const buffer = new SceneBuffer(manifest({ slices }));
-    buffer.arrived("b");
+    draw(buffer, "b");
     expect(buffer.ready(0.7)).toBe(false);
-    buffer.arrived("a");
+    draw(buffer, "a");
     expect(buffer.ready(0.7)).toBe(true);
   });
 
   it("is not complete while the scene grows, and asks for what is added", () => {
     const growing = manifest({ slices: slices.slice(0, 1), live: 1 });
     const buffer = new SceneBuffer(growing);
-    buffer.arrived("a");
+    draw(buffer, "a");
     expect(buffer.complete).toBe(false);
     Object.assign(growing, { slices: slices.slice(0, 2), live: null });
     buffer.grow();
     expect([buffer.complete, buffer.playable(0.7)]).toEqual([false, false]);
-    buffer.arrived("b");
+    draw(buffer, "b");
     expect([buffer.complete, buffer.playable(0.7)]).toEqual([true, true]);
   });
 
   it("joins neighbouring slices to one range", () => {
     const buffer = new SceneBuffer(manifest({ slices }));
     expect(buffer.ranges()).toEqual([]);
-    buffer.arrived("a");
+    draw(buffer, "a");
     expect(buffer.ranges()).toEqual([[0, 0.5]]);
-    buffer.arrived("b");
+    draw(buffer, "b");
     expect(buffer.ranges()).toEqual([[0, 1]]);
   });
 
   it("keeps ranges apart where something is missing between", () => {
     const buffer = new SceneBuffer(manifest({ slices }));
-    for (const id of ["a", "c", "d"]) buffer.arrived(id);
+    for (const id of ["a", "c", "d"]) draw(buffer, id);
     expect(buffer.ranges()).toEqual([
       [0, 0.5],
       [1, 2],
@@ -54,30 +54,30 @@ describe("SceneBuffer", () => {
   it("is complete once every chunk is here, counting one that several slices name once", () => {
     const shared = [slice(0, 1, ["a"]), slice(1, 2, ["a", "b"])];
     const buffer = new SceneBuffer(manifest({ static: [entry("s")], slices: shared }));
-    for (const id of ["a", "b"]) buffer.arrived(id);
+    for (const id of ["a", "b"]) draw(buffer, id);
     expect(buffer.complete).toBe(false);
-    buffer.arrived("s");
+    draw(buffer, "s");
     expect(buffer.complete).toBe(true);
   });
 
   it("shows what there is at the time of a chunk that cannot be had", () => {
     const buffer = new SceneBuffer(manifest({ slices, static: [entry("s"), entry("t")] }));
-    for (const id of ["c", "t"]) buffer.arrived(id);
-    for (const id of ["d", "s", "t"]) buffer.lose(id);
+    for (const id of ["c", "t"]) draw(buffer, id);
+    for (const id of ["d", "s", "t"]) buffer.states.lose(id);
     expect(buffer.ready(1.5)).toBe(true);
     expect(buffer.ranges()).toEqual([[1, 2]]);
     expect(buffer.staticComplete).toBe(true);
-    expect(buffer.lost).toBe(2);
-    buffer.arrived("d"); // it has been mended
-    expect(buffer.lost).toBe(1);
+    expect(buffer.states.lost).toBe(2);
+    draw(buffer, "d"); // it has been mended
+    expect(buffer.states.lost).toBe(1);
   });
 
   it("can be played once the base layers are here", () => {
     const layered = manifest({ slices: [slice(0, 2, ["a", "b", "c"])], static: ["s", "t"].map((id) => entry(id)) });
     const buffer = new SceneBuffer(layered);
-    buffer.arrived("a");
+    draw(buffer, "a");
     expect(buffer.playable(1)).toBe(false);
-    buffer.arrived("s");
+    draw(buffer, "s");
     expect(buffer.playable(1)).toBe(true);
     expect(buffer.ready(1)).toBe(false);
     expect(buffer.ranges()).toEqual([[0, 2]]);
@@ -89,21 +89,21 @@ describe("SceneBuffer", () => {
 
     it("goes on where the line brings base layers as fast as they are shown", () => {
       expect(buffer.lasts(0, 1, 1e6, 1.5)).toBe(false); // nothing is here
-      buffer.arrived("a0");
+      draw(buffer, "a0");
       expect(buffer.lasts(0, 1, 130, 1.5)).toBe(true);
       expect(buffer.lasts(0, 2, 130, 1.5)).toBe(false);
       expect(buffer.lasts(0, 1, 90, 1.5)).toBe(false);
     });
 
     it("goes on when there is enough for a while", () => {
-      buffer.arrived("a1");
+      draw(buffer, "a1");
       expect(buffer.lasts(0, 1, 0, 1.5)).toBe(true);
       expect(buffer.lasts(0.6, 1, 0, 1.5)).toBe(false);
       expect(buffer.lasts(0, 1, 0, 4)).toBe(false);
     });
 
     it("goes on when nothing is missing any more", () => {
-      buffer.arrived("a19");
+      draw(buffer, "a19");
       expect(buffer.lasts(19.5, 1, 0, 1.5)).toBe(true);
     });
   });
@@ -113,7 +113,7 @@ describe("SceneBuffer", () => {
     expect(buffer.ready(1)).toBe(true);
     expect(buffer.ranges()).toEqual([[0, 2]]);
     expect(buffer.staticComplete).toBe(false);
-    buffer.arrived("s");
+    draw(buffer, "s");
     expect(buffer.staticComplete).toBe(true);
   });
 });

@@ -1,9 +1,9 @@
 import { beforeEach, expect, it, vi } from "vitest";
 import { SceneBuffer } from "../../src/scene/buffer";
 import { PlayerClock } from "../../src/scene/clock";
-import { Playback } from "../../src/scene/playback";
+import { Playback, ProgressEvents } from "../../src/scene/playback";
 import type { SceneSource } from "../../src/source/scene_source";
-import { manifest, slice } from "../scene";
+import { draw, manifest, slice } from "../scene";
 
 const told = vi.fn();
 const stream = {
@@ -17,7 +17,7 @@ let playback: Playback;
 /** A scene of two seconds, of which the first is here. */
 beforeEach(() => {
   const buffer = new SceneBuffer(manifest({ slices: [slice(0, 1, ["a"]), slice(1, 2, ["b"])] }));
-  buffer.arrived("a");
+  draw(buffer, "a");
   playback = new Playback(new PlayerClock(0, 2), buffer, stream);
   told.mockClear();
 });
@@ -42,7 +42,7 @@ it("tells the server once when it waits, and once when it goes on", () => {
   told.mockClear();
   for (const now of [0.1, 0.2, 0.3]) expect(playback.tick(now)).toBe(0.95);
   expect(playback.moving).toBe(false);
-  playback.buffer.arrived("b");
+  draw(playback.buffer, "b");
   playback.tick(0.4);
   playback.tick(0.5);
   expect(playback.moving).toBe(true);
@@ -56,7 +56,7 @@ it("does not go on for a moment after it has waited", () => {
   playback = new Playback(new PlayerClock(0, 4), buffer, stream, () => line);
   playback.play();
   playback.tick(0);
-  buffer.arrived("0");
+  draw(buffer, "0");
   playback.tick(0.1);
   expect(playback.moving).toBe(false);
   line = 1000; // the rest will come in time
@@ -73,7 +73,7 @@ it("gathers more after it has waited than to begin with", () => {
   playback = new Playback(new PlayerClock(0, 10), buffer, stream);
   playback.play();
   playback.tick(0);
-  for (const k of [0, 1, 2]) buffer.arrived(`${k}`);
+  for (const k of [0, 1, 2]) draw(buffer, `${k}`);
   let now = 0;
   const run = (seconds: number) => {
     for (const until = now + seconds; now < until; now += 0.1) playback.tick(now);
@@ -81,10 +81,10 @@ it("gathers more after it has waited than to begin with", () => {
   run(1);
   expect(playback.moving).toBe(true);
   run(2);
-  for (const k of [3, 4, 5, 6]) buffer.arrived(`${k}`);
+  for (const k of [3, 4, 5, 6]) draw(buffer, `${k}`);
   run(1);
   expect(playback.moving).toBe(false);
-  for (const k of [7, 8, 9, 10, 11]) buffer.arrived(`${k}`);
+  for (const k of [7, 8, 9, 10, 11]) draw(buffer, `${k}`);
   run(1);
   expect(playback.moving).toBe(true);
 });
@@ -103,4 +103,57 @@ it("tells a new rate only while it plays", () => {
   expect(told).not.toHaveBeenCalled();
   playback.play();
   expect(told).toHaveBeenLastCalledWith("play", 0, 2);
+});
+
+let clock: PlayerClock;
+let progress: ProgressEvents;
+
+/** Advance to so many seconds and tell what has happened. */
+const at = (seconds: number, ready = true, pictured = true) => {
+  clock.tick(seconds, () => ready);
+  return progress.since(clock, pictured, 1000 * seconds);
+};
+
+beforeEach(() => {
+  clock = new PlayerClock(0, 1);
+  clock.loop = false;
+  progress = new ProgressEvents();
+  at(0);
+});
+
+it("tells the first picture once", () => {
+  progress = new ProgressEvents();
+  expect(at(0, true, false)).not.toContain("firstpicture");
+  expect(at(0.1)).toContain("firstpicture");
+  expect(at(0.2)).toEqual([]);
+});
+
+it("tells playing, standing and the end", () => {
+  clock.play();
+  expect(at(1)).toEqual(["play"]);
+  clock.pause();
+  expect(at(1.1)).toEqual(["pause"]);
+  clock.seek(0.95);
+  clock.play();
+  at(2);
+  expect(at(2.2)).toEqual(["timeupdate", "pause", "ended"]);
+});
+
+it("tells waiting for data, and going on", () => {
+  clock.play();
+  at(1);
+  expect(at(1.1, false)).toEqual(["stalled"]);
+  expect(at(1.2, false)).toEqual([]);
+  expect(at(1.25)).toContain("playing");
+});
+
+it("tells a running playhead four times a second, and every seek", () => {
+  clock.play();
+  at(1);
+  const told = [1.05, 1.1, 1.15, 1.2, 1.25, 1.3, 1.35].filter((seconds) => at(seconds).includes("timeupdate"));
+  expect(told).toHaveLength(2);
+  clock.pause();
+  at(2);
+  clock.seek(0.7);
+  expect(at(2.01)).toEqual(["timeupdate"]);
 });

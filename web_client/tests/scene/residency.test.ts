@@ -1,4 +1,5 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
+import { ChunkStates } from "../../src/scene/chunk_states";
 import { Residency } from "../../src/scene/residency";
 import { entry, manifest, slice } from "../scene";
 
@@ -33,7 +34,7 @@ beforeEach(() => {
     dropped: (id: string) => void dropped.push(id),
     changed: () => {},
   };
-  residency = new Residency(scene, 6, events, (id) => {
+  residency = new Residency(scene, new ChunkStates(), 6, events, (id) => {
     return new Promise((resolve, reject) => fetches.push({ id, resolve, reject }));
   });
 });

@@ -7,8 +7,10 @@ import type { View } from "../../src/scene/view";
 import type { SceneSource, SourceEvents } from "../../src/source/scene_source";
 import { GROWING, TWO_SEGMENTS, twoSegments, WHOLE, WorkerDouble } from "../worker_double";
 
-vi.mock("../../src/worker/start_worker", () => ({ startWorker: () => new WorkerDouble() }));
-vi.mock("../../src/worker/decompressor", () => ({ decompressor: () => new Promise(() => {}) }));
+vi.mock("../../src/worker/start_worker", () => ({
+  startWorker: () => new WorkerDouble(),
+  decompressor: () => new Promise(() => {}),
+}));
 
 const view = (x: number): View => ({
   pose: { rotation: [1, 0, 0, 0, 1, 0, 0, 0, 1], translation: [x, 0, 0] },

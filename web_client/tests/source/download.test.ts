@@ -1,5 +1,5 @@
 import { afterEach, expect, it, vi } from "vitest";
-import { download, StatusError } from "../../src/source/download";
+import { download, retryDelay, StatusError } from "../../src/source/download";
 
 const { signal } = new AbortController();
 
@@ -36,4 +36,13 @@ it("takes no part of a file for the file", async () => {
 it("takes no file of another length", async () => {
   answering("abc");
   await expect(download("https://cdn.example/a", signal, "default", 4)).rejects.toThrow("has 3 bytes, expected 4");
+});
+
+afterEach(() => vi.restoreAllMocks());
+
+it("is anywhere in a span that doubles up to eight seconds", () => {
+  const random = vi.spyOn(Math, "random").mockReturnValue(0.5);
+  expect([0, 1, 2, 3, 4, 5, 50].map(retryDelay)).toEqual([250, 500, 1000, 2000, 4000, 4000, 4000]);
+  random.mockReturnValue(0);
+  expect(retryDelay(3)).toBe(0);
 });

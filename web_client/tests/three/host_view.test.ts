@@ -1,7 +1,9 @@
-import { Matrix4, Object3D, OrthographicCamera, PerspectiveCamera, Quaternion, Vector3 } from "three";
+import { Group, Matrix4, Object3D, OrthographicCamera, PerspectiveCamera, Quaternion, Vector3 } from "three";
 import { describe, expect, it } from "vitest";
 import { pixelToClip, project } from "../../src/camera/pinhole";
-import { hostView } from "../../src/three/host_view";
+import { apply } from "../../src/camera/vector";
+import { hostView, lookFrom } from "../../src/three/host_view";
+import { manifest } from "../scene";
 
 const VIEWPORT = { x: 7, y: 9, width: 640, height: 360 };
 const POINT = [0.3, -0.2, 0.5] as const;
@@ -76,5 +78,70 @@ describe("the view of a scene in a host's world", () => {
     parent.add(child);
     parent.updateMatrixWorld();
     expect(() => hostView(camera(), child.matrixWorld, VIEWPORT)).toThrow("one positive scale for all axes");
+  });
+});
+
+// Turned a quarter about z and half a turn about x: the columns of the rotation are not its rows.
+const ROWS = [
+  [0, 1, 0, 0.5],
+  [1, 0, 0, -0.25],
+  [0, 0, -1, 4],
+  [0, 0, 0, 1],
+];
+const CAPTURE = { name: "side", width: 400, height: 200, fx: 300, fy: 300, cx: 200, cy: 100, near: 0.1 };
+const SCENE = manifest({ cameras: [{ ...CAPTURE, worldToCamera: ROWS }] });
+const PLACE = [0.2, 0.3, -0.1] as const;
+
+function looking(aspect: number, parent = new Group()): PerspectiveCamera {
+  const world = new Matrix4()
+    .makeRotationY(0.4)
+    .setPosition(1, 2, 3)
+    .scale(new Vector3(2, 2, 2));
+  const camera = new PerspectiveCamera(50, aspect, 0.1, 100);
+  parent.add(camera);
+  parent.updateMatrixWorld();
+  lookFrom(camera, world, SCENE, "side");
+  return camera;
+}
+
+/** Where a camera sees a point of the scene, in [-1, 1]. */
+function seen(camera: PerspectiveCamera): number[] {
+  const world = new Matrix4()
+    .makeRotationY(0.4)
+    .setPosition(1, 2, 3)
+    .scale(new Vector3(2, 2, 2));
+  return new Vector3(...PLACE).applyMatrix4(world).project(camera).toArray().slice(0, 2);
+}
+
+/** The same as the capture's camera sees it. */
+function expected(): number[] {
+  const [x, y, z] = apply([0, 1, 0, 1, 0, 0, 0, 0, -1], PLACE).map((v, i) => v + ROWS[i][3]);
+  return [(300 * x) / z / 200, (-300 * y) / z / 100];
+}
+
+describe("a camera put where one of the capture stood", () => {
+  it("sees what that one saw", () => {
+    seen(looking(2)).forEach((v, i) => {
+      expect(v).toBeCloseTo(expected()[i], 9);
+    });
+  });
+
+  it("stands there whatever it is a child of", () => {
+    const parent = new Group();
+    parent.position.set(5, -1, 2);
+    parent.rotation.set(0.3, 0.8, -0.2);
+    seen(looking(2, parent)).forEach((v, i) => {
+      expect(v).toBeCloseTo(expected()[i], 9);
+    });
+  });
+
+  it("sees all of that one's picture on a taller picture, too", () => {
+    const [x, y] = seen(looking(1));
+    expect(x).toBeCloseTo(expected()[0], 9);
+    expect(y).toBeCloseTo(expected()[1] / 2, 9);
+  });
+
+  it("is refused for cameras that the capture has not", () => {
+    expect(() => lookFrom(new PerspectiveCamera(), new Matrix4(), SCENE, "roof")).toThrow("there are side");
   });
 });

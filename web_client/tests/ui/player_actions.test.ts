@@ -1,7 +1,7 @@
 import { beforeEach, describe, expect, it, vi } from "vitest";
 import type { FlyMode } from "../../src/camera/fly_mode";
 import type { HgsPlayer } from "../../src/player/hgs_player";
-import { longSeekStep, PlayerActions, rateAfter, seekStep } from "../../src/ui/player_actions";
+import { longSeekStep, PlayerActions, pictureName, rateAfter, seekStep } from "../../src/ui/player_actions";
 
 it("goes five and ten seconds at a time, in a short scene a tenth and a fifth of it", () => {
   expect([seekStep(60), longSeekStep(60)]).toEqual([5, 10]);
@@ -89,4 +89,12 @@ describe("a scene from 1 to 11 seconds", () => {
     expect(fail).toHaveBeenCalledWith(expect.stringContaining("https://a.example/?t=4"));
     vi.unstubAllGlobals();
   });
+});
+
+it.each([
+  ["studio", 1.2, "studio 0m01.20s.png"],
+  ["Küche: a/b?", 61.005, "Küche a b 1m01.01s.png"],
+  ["", 0, "scene 0m00.00s.png"],
+])("names a picture of %j at %s s %j", (title, time, name) => {
+  expect(pictureName(title, time)).toBe(name);
 });

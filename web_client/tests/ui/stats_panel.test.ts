@@ -1,6 +1,6 @@
 import { expect, it } from "vitest";
+import type { Quality } from "../../src/renderer/fineness";
 import { LADDER } from "../../src/renderer/fineness";
-import type { Quality } from "../../src/renderer/quality_names";
 import { figuresOf, formatBitRate, formatCount } from "../../src/ui/stats_panel";
 import { stats } from "../stats";
 

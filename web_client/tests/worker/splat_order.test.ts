@@ -1,8 +1,7 @@
 import { describe, expect, it } from "vitest";
 import type { DecodedChunk, DynamicChunk } from "../../src/codec/types";
-import { DYNAMIC_BIT } from "../../src/renderer/layout";
+import { DYNAMIC_BIT, placeStatics } from "../../src/renderer/layout";
 import type { SplatDepth } from "../../src/worker/depth";
-import { placeStatics } from "../../src/worker/placement";
 import { SplatOrderer } from "../../src/worker/splat_order";
 import { random } from "../random";
 import { dynamicChunk, entry, manifest, slice, staticChunk } from "../scene";

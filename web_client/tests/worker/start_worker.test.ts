@@ -1,4 +1,5 @@
-import { afterEach, expect, it, vi } from "vitest";
+import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
+import { zstdWasm } from "../../plugins/zstd_wasm.ts";
 
 vi.mock("../../src/worker/worker.ts?worker&url", () => ({ default: "https://cdn.example/hgs/worker.js" }));
 
@@ -43,4 +44,36 @@ it("starts a script of the page that imports it elsewhere, the same for all play
   const { addresses, blobs } = await started("https://page.example");
   expect(addresses).toEqual(["blob:1", "blob:1"]);
   expect(await blobs[0].text()).toBe('import "https://cdn.example/hgs/worker.js";');
+});
+
+describe("the decompressor", () => {
+  let decompressor: () => Promise<WebAssembly.Module>;
+  const fetched = vi.fn<() => Promise<Response>>();
+
+  beforeEach(async () => {
+    vi.useFakeTimers();
+    vi.resetModules();
+    vi.stubGlobal("fetch", fetched.mockReset());
+    decompressor = (await import("../../src/worker/start_worker")).decompressor;
+  });
+  afterEach(() => {
+    vi.useRealTimers();
+    vi.unstubAllGlobals();
+  });
+
+  it("is fetched once for all players", async () => {
+    fetched.mockImplementation(async () => new Response(zstdWasm()));
+    expect(await decompressor()).toBe(await decompressor());
+    expect(fetched).toHaveBeenCalledOnce();
+  });
+
+  it("is asked for three times, and anew by the next player", async () => {
+    fetched.mockImplementation(async () => new Response("", { status: 503 }));
+    const refused = expect(decompressor()).rejects.toThrow("503");
+    await vi.advanceTimersByTimeAsync(3000);
+    await refused;
+    expect(fetched).toHaveBeenCalledTimes(3);
+    fetched.mockImplementation(async () => new Response(zstdWasm()));
+    expect(await decompressor()).toBeInstanceOf(WebAssembly.Module);
+  });
 });

@@ -2,7 +2,7 @@
 
 import { eyeOf } from "../../../src/camera/pinhole";
 import type { Mat3, Vec3 as Vector } from "../../../src/camera/vector";
-import { ScenePlayer } from "../../../src/player/scene_canvas";
+import { SceneCanvas } from "../../../src/player/scene_canvas";
 import { CanvasRenderer } from "../../../src/renderer/canvas_renderer";
 import type { Quality } from "../../../src/renderer/fineness";
 import { openSource } from "../../../src/source/open_source";
@@ -40,7 +40,7 @@ export const openHgs =
     const canvas = canvasOf(request);
     let { camera } = request;
     let nudge = 0;
-    const player = new ScenePlayer({
+    const player = new SceneCanvas({
       canvas,
       source: openSource(new URL("scene/manifest.json", request.files).href),
       time: null,

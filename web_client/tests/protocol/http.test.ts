@@ -1,7 +1,7 @@
 import { afterEach, expect, it } from "vitest";
 import { pageAt } from "../../src/console/page_address";
 import { thumbnailUrl } from "../../src/protocol/api";
-import { beginSiteAt, pathInSite, siteUrl } from "../../src/protocol/site";
+import { beginSiteAt, pathInSite, siteUrl } from "../../src/protocol/http";
 
 afterEach(() => beginSiteAt("/"));
 

@@ -1,9 +1,35 @@
-/** Uploads in words. */
+/** The progress of an upload: its speed, and its state in words. */
 
 import { formatBytes } from "../dom/format";
 import type { Transfer } from "./transfer";
 
-/** "about 3 min left"; "" while nobody can tell. */
+const WINDOW = 10; // seconds
+const LEAST = 2; // seconds before the first estimate
+
+export class Speed {
+  #samples: { readonly time: number; readonly bytes: number }[] = [];
+
+  /** Note the total of bytes at a time in seconds. */
+  note(bytes: number, time: number): void {
+    this.#samples.push({ time, bytes });
+    while (this.#samples.length > 2 && this.#samples[1].time < time - WINDOW) this.#samples.shift();
+  }
+
+  /** Start again, after a pause. */
+  reset(): void {
+    this.#samples = [];
+  }
+
+  /** Bytes per second; null while unknown. */
+  perSecond(): number | null {
+    const first = this.#samples[0];
+    const last = this.#samples.at(-1);
+    if (!first || !last || last.time - first.time < LEAST || last.bytes <= first.bytes) return null;
+    return (last.bytes - first.bytes) / (last.time - first.time);
+  }
+}
+
+/** "about 3 min left"; "" while unknown. */
 export function describeRest(bytes: number, perSecond: number | null): string {
   if (perSecond === null) return "";
   const seconds = bytes / perSecond;

@@ -1,15 +1,17 @@
-/** A part of the player that is loaded when it is first used. */
+/** A part of the player that is loaded at its first use. */
 
-const FAILED = "A part of the player could not be loaded. Reloading the page may help.";
+import { NOT_LOADED } from "../scene/failure_words";
 
 export class LatePart<T> {
   #part: T | null = null;
   #coming: Promise<T> | null = null;
 
   /**
-   * @param load its module, and make it.
-   * @param failed is told one line for people if that cannot be done, and the cause; the next use tries again.
-   * @param signal aborts when there is no more use for it.
+   * Prepare a part.
+   *
+   * @param load loads its module, and creates it.
+   * @param failed is called with one line for people and the cause if that fails; the next use tries again.
+   * @param signal aborts when the part is not needed any more.
    */
   constructor(
     readonly load: () => Promise<T>,
@@ -17,12 +19,12 @@ export class LatePart<T> {
     readonly signal: AbortSignal,
   ) {}
 
-  /** Null until it has been used and has come. */
+  /** The part; null until it was used and has loaded. */
   get here(): T | null {
     return this.#part;
   }
 
-  /** Do something with it: at once if it is here, else when it has come. */
+  /** Use the part: at once if it is loaded, else later. */
   use(then: (part: T) => void): void {
     if (this.#part) then(this.#part);
     else void this.#await(then);
@@ -34,7 +36,7 @@ export class LatePart<T> {
       this.#part = await this.#coming;
     } catch (cause) {
       this.#coming = null;
-      if (!this.signal.aborted) this.failed(FAILED, cause);
+      if (!this.signal.aborted) this.failed(NOT_LOADED, cause);
       return;
     }
     if (!this.signal.aborted) then(this.#part);

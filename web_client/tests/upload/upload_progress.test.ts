@@ -1,5 +1,5 @@
 import { expect, it } from "vitest";
-import { describeRest, describeTransfer } from "../../src/upload/upload_words";
+import { describeRest, describeTransfer, Speed } from "../../src/upload/upload_progress";
 
 it.each([
   [1000, null, ""],
@@ -33,4 +33,21 @@ it.each([
   ],
 ])("%#", (shown, speed, words) => {
   expect(describeTransfer(shown, speed)).toBe(words);
+});
+
+it("says nothing before it knows, and then what the last seconds say", () => {
+  const speed = new Speed();
+  for (let time = 0; time < 2; time++) speed.note(100 * time, time);
+  expect(speed.perSecond()).toBeNull();
+  for (let time = 2; time <= 60; time++) speed.note(100 * time, time);
+  for (let time = 61; time <= 90; time++) speed.note(6000 + 10 * (time - 60), time);
+  expect(speed.perSecond()).toBeCloseTo(10);
+  speed.reset();
+  expect(speed.perSecond()).toBeNull();
+});
+
+it("knows no speed while nothing goes", () => {
+  const speed = new Speed();
+  for (let time = 0; time < 30; time++) speed.note(5, time);
+  expect(speed.perSecond()).toBeNull();
 });

@@ -1,5 +1,5 @@
 import { expect, it } from "vitest";
-import { readableCameraNames } from "../../src/ui/camera_names";
+import { readableCameraNames } from "../../src/ui/settings_menu";
 
 it.each([
   ["cam00", "Camera 0"],

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
-import { chunksOf, sliceAt } from "../../src/codec/slices";
-import { slice } from "../scene";
+import { chunksOf, layersOf, sliceAt } from "../../src/codec/manifest_chunks";
+import { entry, manifest, slice } from "../scene";
 
 const slices = [slice(0, 0.5, ["a"]), slice(0.5, 1, ["b"], ["a"]), slice(1, 2, ["c", "d"])];
 
@@ -26,4 +26,13 @@ describe("chunksOf", () => {
   it("names the slice's own chunks and those of earlier slices that it needs", () => {
     expect(slices.map(chunksOf)).toEqual([["a"], ["a", "b"], ["c", "d"]]);
   });
+});
+
+it("takes the shortest beginning with a fourth of what stands, or a third of a slice, for its base", () => {
+  const scene = manifest({
+    static: ["a", "b", "c", "d", "e"].map((id) => entry(id)),
+    slices: [slice(0, 1, ["f", "g", "h"]), slice(1, 2, ["i", "j", "k", "l"], ["f", "h"])],
+  });
+  const layers = Object.fromEntries([...layersOf(scene)].map(([id, { layer }]) => [id, layer]));
+  expect(layers).toEqual({ a: 0, b: 0, c: 1, d: 2, e: 3, f: 0, g: 1, h: 2, i: 0, j: 0, k: 1, l: 2 });
 });

@@ -1,5 +1,5 @@
 import { expect, it, vi } from "vitest";
-import { LatePart } from "../../src/dom/late_part";
+import { LatePart } from "../../src/ui/late_part";
 
 const settled = () => new Promise((resolve) => setTimeout(resolve));
 

@@ -1,8 +1,7 @@
 import { describe, expect, it } from "vitest";
 import { poseAt, project } from "../../src/camera/pinhole";
 import { apply, fromRows, type Mat3, rotateAbout, type Vec3 } from "../../src/camera/vector";
-import { sightOf } from "../../src/scene/sight";
-import type { View } from "../../src/scene/view";
+import { sightOf, type View } from "../../src/scene/view";
 
 const HEAD: Vec3 = [0.3, -1.6, 2.5];
 const camera = { width: 100, height: 100, fx: 50, fy: 50, cx: 50, cy: 50, near: 0.05 };
