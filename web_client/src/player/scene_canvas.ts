@@ -210,9 +210,10 @@ export class SceneCanvas {
   }
 
   /** The depth at a pixel of the picture, world units along the view axis; null if nothing is there. */
-  depthAt(x: number, y: number): number | null {
+  async depthAt(x: number, y: number): Promise<number | null> {
+    const { depthAt } = await import("./glance");
     const view = this.#options.view();
-    return view && this.#scene.orders.shown ? this.renderer.depthAt(this.#scene.shot(view), x, y) : null;
+    return view && this.#scene.orders.shown ? depthAt(this.renderer, this.#scene.shot(view), x, y) : null;
   }
 
   /** Stop and release everything. */

@@ -4,8 +4,8 @@ import type { CameraMotion } from "../camera/gestures";
 import type { LimitedOrbit } from "../camera/limited_orbit";
 import { MotionLoop } from "../camera/motion_loop";
 import { OrbitCamera } from "../camera/orbit";
-import { fitted, type Intrinsics, resized, type StartCamera, startCamera, unproject } from "../camera/pinhole";
-import { add, cross, length, normalise, scale, subtract, type Vec3 } from "../camera/vector";
+import { fitted, type Intrinsics, resized, type StartCamera, startCamera } from "../camera/pinhole";
+import type { Vec3 } from "../camera/vector";
 import type { Manifest } from "../codec/types";
 import type { View } from "../scene/view";
 import { observeBackingSize } from "./backing_size";
@@ -19,17 +19,12 @@ export interface ViewpointOptions {
   readonly size: { readonly width: number; readonly height: number } | null;
 }
 
-/** Duration of a turn to another target, seconds. */
-const GLANCE = 0.3;
-/** Sine of the angle to the up vector below which a view has no horizon. */
-const STEEP = 0.02;
-
 /** The owner of a viewpoint. */
 export interface ViewpointEvents {
   /** Called after every change of the view. */
   changed(): void;
   /** The depth at a pixel of the backing store, world units along the view axis; null if nothing is there. */
-  depthAt(x: number, y: number): number | null;
+  depthAt(x: number, y: number): Promise<number | null>;
 }
 
 /** The position and direction of a camera, in the scene's world. */
@@ -159,23 +154,14 @@ export class Viewpoint implements CameraMotion {
     });
   }
 
-  focus(x: number, y: number): void {
-    const view = this.view();
-    const orbit = this.#orbit;
-    if (!view || !orbit) return;
+  async focus(x: number, y: number): Promise<void> {
     const [column, row] = [x * this.#pixelsPerCssPixel, y * this.#pixelsPerCssPixel];
-    const depth = this.events.depthAt(Math.floor(column), Math.floor(row));
-    if (depth === null) return;
-    const from = { target: orbit.target, up: orbit.upwards };
-    const point = unproject([column, row, depth], view.pose, view.camera);
-    if (length(cross(normalise(subtract(point, orbit.eye)), orbit.up)) < STEEP) return;
-    let share = 0;
-    this.#run((seconds) => {
-      share = calm() ? 1 : Math.min(1, share + seconds / GLANCE);
-      const eased = share * share * (3 - 2 * share);
-      orbit.place(orbit.eye, between(from.target, point, eased), between(from.up, orbit.up, eased));
-      return share < 1;
-    });
+    const part = await import("./glance").catch(() => null);
+    const depth = part && (await this.events.depthAt(Math.floor(column), Math.floor(row)));
+    const view = this.view();
+    if (!part || depth === null || !view || !this.#orbit) return;
+    const step = part.glance(this.#orbit, [column, row, depth], view);
+    if (step) this.#run((seconds) => step(calm() ? Number.POSITIVE_INFINITY : seconds));
   }
 
   reset(): void {
@@ -231,8 +217,6 @@ export class Viewpoint implements CameraMotion {
     return size(camera, this.#width, this.#height);
   }
 }
-
-const between = (a: Vec3, b: Vec3, share: number): Vec3 => add(scale(a, 1 - share), scale(b, share));
 
 /** Whether the visitor's system asks for less motion. */
 function calm(): boolean {

@@ -8,9 +8,6 @@ import { canDraw, PictureTarget } from "./picture_target";
 import type { Pixels, Shot } from "./shot";
 import { SplatDrawer } from "./splat_drawer";
 
-/** Smallest share of a pixel's colour for splats to count as visible there. */
-const SEEN = 0.2;
-
 export class CanvasRenderer {
   /** The drawer, with the scene's splats. */
   readonly splats: SplatDrawer;
@@ -150,30 +147,6 @@ export class CanvasRenderer {
       this.#submit(shot);
       return { width, height, data: flipped(target.read(), width, height) };
     } finally {
-      target.dispose();
-    }
-  }
-
-  /**
-   * The mean depth at a pixel, world units: that of its splats, weighted by their shares of the colour. Null where
-   * there is little but background, and on devices that cannot draw to floats.
-   */
-  depthAt(shot: Shot, x: number, y: number): number | null {
-    const gl = this.#gl;
-    const { width, height } = shot.camera;
-    if (this.lost || !canDraw(gl, "RGBA16F")) return null;
-    const target = new PictureTarget(gl, width, height, "RGBA16F");
-    const pixel = [x, height - 1 - y, 1, 1] as const;
-    try {
-      gl.enable(gl.SCISSOR_TEST); // a single pixel is cheap
-      gl.scissor(...pixel);
-      gl.clearColor(0, 0, 0, 0);
-      gl.clear(gl.COLOR_BUFFER_BIT);
-      this.splats.draw(shot, [0, 0], "depth");
-      const [sum, , , seen] = target.read(pixel);
-      return seen >= SEEN ? sum / seen : null;
-    } finally {
-      gl.disable(gl.SCISSOR_TEST);
       target.dispose();
     }
   }

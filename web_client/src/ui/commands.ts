@@ -1,5 +1,6 @@
 /** The commands of keys and settings, and the panels that they open over the picture. */
 
+import "./full_screen"; // ahead of its use: browsers allow full screen only right after a press
 import { FlyMode } from "../camera/fly_mode";
 import { element } from "../dom/element";
 import type { HgsPlayer } from "../player/hgs_player";

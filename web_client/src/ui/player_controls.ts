@@ -2,6 +2,7 @@
  * The bars over a player's picture: title and buttons above, play, timeline and time below. Loaded with the controls.
  */
 
+import "./full_screen"; // ahead of its use: browsers allow full screen only right after a press
 import type { Manifest } from "../codec/types";
 import { element, icon } from "../dom/element";
 import { BACK, FULLSCREEN, SETTINGS } from "../dom/icons";

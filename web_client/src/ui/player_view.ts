@@ -6,7 +6,6 @@ import { adoptStyle } from "../dom/shadow_style";
 import { HgsPlayer } from "../player/hgs_player";
 import type { Bookmarks } from "./bookmarks";
 import type { Commands } from "./commands";
-import { toggleFullscreen } from "./full_screen";
 import { listenForKeys, mayBeObeyed } from "./key_listener";
 import { LatePart } from "./late_part";
 import { Notices } from "./notices";
@@ -107,7 +106,9 @@ export class PlayerView {
 
   /** Enter or leave full screen; shows an error if that fails. */
   toggleFullscreen(): void {
-    void toggleFullscreen(this.#host).catch((error: Error) => this.#notices.fail(error.message));
+    import("./full_screen") // present since its button or key is
+      .then(({ toggleFullscreen }) => toggleFullscreen(this.#host))
+      .catch((error: Error) => this.#notices.fail(error.message));
   }
 
   /** Show an error in the player, one line for people. */

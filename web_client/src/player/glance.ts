@@ -1,0 +1,63 @@
+/** A turn of the view to the surface at a pixel; loaded at the first one. */
+
+import type { OrbitCamera } from "../camera/orbit";
+import { type Intrinsics, type Pose, unproject } from "../camera/pinhole";
+import { add, cross, length, normalise, scale, subtract, type Vec3 } from "../camera/vector";
+import type { CanvasRenderer } from "../renderer/canvas_renderer";
+import { canDraw, PictureTarget } from "../renderer/picture_target";
+import type { Shot } from "../renderer/shot";
+
+/** Duration, seconds. */
+const DURATION = 0.3;
+/** Sine of the angle to the up vector below which a view has no horizon. */
+const STEEP = 0.02;
+/** Least share of the splats in a pixel's colour for a depth. */
+const SEEN = 0.2;
+
+/**
+ * The mean depth at a pixel, world units: of the splats there, each weighted by its share of the pixel's colour. Null
+ * where the background is all but uncovered, and on a device that draws to no float format.
+ */
+export function depthAt(renderer: CanvasRenderer, shot: Shot, x: number, y: number): number | null {
+  const { splats, lost } = renderer;
+  const { gl } = splats;
+  const { width, height } = shot.camera;
+  if (lost || !canDraw(gl, "RGBA16F")) return null;
+  const target = new PictureTarget(gl, width, height, "RGBA16F");
+  const pixel = [x, height - 1 - y, 1, 1] as const;
+  try {
+    gl.enable(gl.SCISSOR_TEST); // one pixel costs next to nothing
+    gl.scissor(...pixel);
+    gl.clearColor(0, 0, 0, 0);
+    gl.clear(gl.COLOR_BUFFER_BIT);
+    splats.draw(shot, [0, 0], "depth");
+    const [sum, , , seen] = target.read(pixel);
+    return seen >= SEEN ? sum / seen : null;
+  } finally {
+    gl.disable(gl.SCISSOR_TEST);
+    target.dispose();
+  }
+}
+
+/**
+ * The steps of a turn to what is at a pixel and a depth: each takes the seconds since the last one, and returns whether
+ * there are more. Null where the view would look straight up or down.
+ */
+export function glance(
+  orbit: OrbitCamera,
+  pixel: Vec3,
+  view: { readonly pose: Pose; readonly camera: Intrinsics },
+): ((seconds: number) => boolean) | null {
+  const from = { target: orbit.target, up: orbit.upwards };
+  const point = unproject(pixel, view.pose, view.camera);
+  if (length(cross(normalise(subtract(point, orbit.eye)), orbit.up)) < STEEP) return null;
+  let share = 0;
+  return (seconds) => {
+    share = Math.min(1, share + seconds / DURATION);
+    const eased = share * share * (3 - 2 * share);
+    orbit.place(orbit.eye, between(from.target, point, eased), between(from.up, orbit.up, eased));
+    return share < 1;
+  };
+}
+
+const between = (a: Vec3, b: Vec3, share: number): Vec3 => add(scale(a, 1 - share), scale(b, share));
