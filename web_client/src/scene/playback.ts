@@ -108,7 +108,7 @@ export class ProgressEvents {
   #playing = false;
   #stalled = false;
   #time: number | null = null;
-  #toldAt = Number.NEGATIVE_INFINITY; // ms of the last of them
+  #emittedAt = Number.NEGATIVE_INFINITY; // ms of the last of them
 
   /** The events since the last call; `pictured`: there is a picture. `now` in milliseconds. */
   since(clock: PlayerClock, pictured: boolean, now: number): ProgressEvent[] {
@@ -117,11 +117,11 @@ export class ProgressEvents {
     if (clock.playing && !this.#playing) events.push("play");
     if (clock.stalled !== this.#stalled && clock.playing) events.push(clock.stalled ? "stalled" : "playing");
     const paused = this.#playing && !clock.playing;
-    const due = !clock.playing || now - this.#toldAt >= TIME_GAP;
+    const due = !clock.playing || now - this.#emittedAt >= TIME_GAP;
     if (clock.time !== this.#time && due) {
       events.push("timeupdate");
       this.#time = clock.time;
-      this.#toldAt = now;
+      this.#emittedAt = now;
     }
     if (paused) events.push("pause");
     if (paused && clock.time >= clock.end) events.push("ended");
