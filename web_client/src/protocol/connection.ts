@@ -19,7 +19,7 @@ export interface Socket {
 }
 
 export interface ConnectionEvents {
-  /** Send the hello with so much credit. */
+  /** Send the hello with this credit. */
   open(credits: number): void;
   message(bytes: Uint8Array<ArrayBuffer>): void;
   closed(code: number): void;

@@ -1,7 +1,4 @@
-/**
- * Playback: moves the playhead, and reports its course and its waits to the source, with a playhead of its own; and the
- * events of a playhead.
- */
+/** Playback of a buffer: the playhead's motion and waits, their reports to the source, and the events of a playhead. */
 
 import type { SceneSource } from "../source/scene_source";
 import type { SceneBuffer } from "./buffer";
@@ -56,7 +53,7 @@ export class Playback {
     if (this.clock.playing) this.source.play(this.clock.time, rate);
   }
 
-  /** Move the playhead; missing chunks there come before all others. */
+  /** Move the playhead; missing chunks there have priority. */
   seek(time: number): void {
     this.clock.seek(time);
     this.#reserve = FIRST;

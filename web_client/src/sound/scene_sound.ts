@@ -252,8 +252,8 @@ export class SceneSound {
 }
 
 /**
- * A piece of so many seconds at a rate, with its own pitch. The decoded sound ends with the piece; before it there is
- * the decoder's lead-in.
+ * A piece of `seconds` at a rate, with its own pitch. The decoded sound ends with the piece; before it there is the
+ * decoder's lead-in.
  */
 function atRate(context: AudioContext, decoded: AudioBuffer, seconds: number, rate: number): AudioBuffer {
   if (rate === 1) return decoded;

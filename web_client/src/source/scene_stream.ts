@@ -89,7 +89,7 @@ export class SceneStream implements SceneSource {
     this.#playhead = { ...this.#playhead, time };
   }
 
-  /** A complete chunk of so many bytes has been decoded. */
+  /** Report that a complete chunk of this size has been decoded. */
   consumed(bytes: number): void {
     this.#undecoded -= bytes;
     this.#grant();

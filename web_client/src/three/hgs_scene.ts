@@ -40,7 +40,7 @@ export class HgsScene extends withMediaApi(Object3D<HgsSceneEventMap>) {
   /**
    * Create a scene.
    *
-   * @throws Error with one line for people if no scene can be at such an address.
+   * @throws Error with one line for people if the address cannot be a scene's.
    * @throws RangeError if `playbackRate` is not in (0, 16], or `splatBudget` not at least 1.
    */
   constructor(options: HgsSceneOptions) {

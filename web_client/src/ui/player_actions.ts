@@ -16,7 +16,7 @@ export const RATES = [0.25, 0.5, 0.75, 1, 1.25, 1.5, 2] as const;
 export const seekStep = (duration: number): number => Math.min(5, duration / 10);
 export const longSeekStep = (duration: number): number => Math.min(10, duration / 5);
 
-/** The rate so many steps faster than `rate`, within `RATES`. */
+/** The rate a number of steps faster than `rate`, within `RATES`. */
 export function rateAfter(rate: number, steps: 1 | -1): number {
   const next = steps === 1 ? RATES.find((other) => other > rate) : RATES.filter((other) => other < rate).at(-1);
   return next ?? rate;
