@@ -61,7 +61,7 @@ export class LimitedOrbit {
     return NUMBERS.some((name) => Math.abs(pose[name] - rest[name]) > 1e-9 * Math.max(1, rest.distance));
   }
 
-  /** Spring back for so many seconds. */
+  /** Spring back for a number of seconds. */
   springBack(seconds: number): void {
     const pose = this.#pose();
     this.#show(pose, springBack(pose, this.space, seconds));

@@ -26,7 +26,7 @@ export class CheckPanel {
     this.node.replaceChildren();
     if (!capture || capture.problem !== null) return;
     if (capture.layout === WITHOUT_POSES) {
-      this.#say("It has no camera poses. The job first finds them from the videos.");
+      this.#write("It has no camera poses. The job first finds them from the videos.");
       return;
     }
     const button = element("button", { type: "button", class: "button" }, "Check it");
@@ -40,29 +40,29 @@ export class CheckPanel {
 
   async #run(capture: Capture): Promise<void> {
     const { signal } = this.#asking;
-    this.#say("Checking the capture …");
+    this.#write("Checking the capture …");
     try {
       let check = await startCheck(capture.capture);
       while (check.state === "waiting" || check.state === "running") {
         if (signal.aborted) return;
         const waits = check.state === "waiting" ? "Waiting for the check of another capture" : "Checking the capture";
-        this.#say(`${waits} … ${formatDuration(Math.round(check.seconds)).replace(".0", "")}`);
+        this.#write(`${waits} … ${formatDuration(Math.round(check.seconds)).replace(".0", "")}`);
         await new Promise((resolve) => setTimeout(resolve, EVERY));
         check = await getCheck(capture.capture, signal);
       }
-      if (!signal.aborted) this.#tell(check);
+      if (!signal.aborted) this.#show(check);
     } catch (error) {
-      if (!signal.aborted) this.#say(error instanceof Error ? error.message : String(error));
+      if (!signal.aborted) this.#write(error instanceof Error ? error.message : String(error));
     }
   }
 
-  #say(text: string): void {
+  #write(text: string): void {
     this.node.replaceChildren(element("p", { class: "hint" }, text));
   }
 
-  #tell({ found, error }: CaptureCheck): void {
+  #show({ found, error }: CaptureCheck): void {
     if (found === null) {
-      this.#say(`The check failed: ${error}`);
+      this.#write(`The check failed: ${error}`);
       return;
     }
     const head = found.stops

@@ -36,7 +36,7 @@ export function showListPage(root: HTMLElement): void {
   document.title = "Scenes · HGS";
   const create = element("a", { class: "button primary", href: siteUrl("new") }, icon(PLUS), "New scene");
   const shell = showShell(root, "list-page", create);
-  const scenes = new SceneSection({ changed: () => void refresh(), say: shell.say });
+  const scenes = new SceneSection({ changed: () => void refresh(), notify: shell.notify });
   const jobs = element("ul", { class: "jobs" });
   const jobSection = element(
     "section",

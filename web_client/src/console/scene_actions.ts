@@ -12,7 +12,7 @@ const LONGEST_TITLE = 200; // characters, as in docs/rest.md
 export interface SceneEvents {
   /** The scenes have changed on the server. */
   changed(): void;
-  say(text: string): void;
+  notify(text: string): void;
 }
 
 /** A button that opens the actions of a scene. */
@@ -84,7 +84,7 @@ async function share(scene: Scene, events: SceneEvents): Promise<void> {
   const address = new URL(await addressOf(scene), location.href).href;
   try {
     await navigator.clipboard.writeText(address); // missing on pages that are neither https nor localhost
-    events.say("Link copied");
+    events.notify("Link copied");
   } catch {
     const field = element("input", { class: "input", value: address, readonly: true, "aria-label": "Link" });
     field.addEventListener("focus", () => field.select());
@@ -110,7 +110,7 @@ async function rename(scene: Scene, events: SceneEvents): Promise<void> {
     run: () => renameScene(scene.id, field.value),
   });
   if (!done) return;
-  events.say("Renamed");
+  events.notify("Renamed");
   events.changed();
 }
 
@@ -126,6 +126,6 @@ async function remove(scene: Scene, events: SceneEvents): Promise<void> {
     run: () => deleteScene(scene.id),
   });
   if (!done) return;
-  events.say("Deleted");
+  events.notify("Deleted");
   events.changed();
 }

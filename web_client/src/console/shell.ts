@@ -13,7 +13,7 @@ export interface Shell {
   /** Show an error above the page; null or "" removes it. */
   problem(error: unknown): void;
   /** Show a message that needs no answer. */
-  say(text: string): void;
+  notify(text: string): void;
 }
 
 /** Create the page; `actions` are at the end of the masthead. */
@@ -43,7 +43,7 @@ export function showShell(root: HTMLElement, name: string, ...actions: HTMLEleme
       alert.hidden = text === "";
       setText(alert, text);
     },
-    say(text) {
+    notify(text) {
       clearTimeout(timer);
       message.hidden = false;
       setText(message, text);

@@ -15,7 +15,7 @@ const STATE_WORDS: Readonly<Record<SentFile["state"], string>> = {
 };
 
 /** Labels of states; a failure has a whole sentence. */
-const SAID: Readonly<Record<TransferState, string>> = {
+const LABELS: Readonly<Record<TransferState, string>> = {
   sending: "Sending",
   paused: "Paused",
   waiting: "Waiting for the server",
@@ -30,7 +30,7 @@ export class TransferView {
   readonly cancel = element("button", { type: "button", class: "button quiet" }, "Cancel");
   readonly #bar = element("progress", { max: 1, value: 0, "aria-label": "Sent" });
   readonly #words = element("p", { class: "upload-words" });
-  readonly #told = element("p", { class: "unseen", role: "status" }); // text for screen readers: not every byte
+  readonly #status = element("p", { class: "unseen", role: "status" }); // text for screen readers: not every byte
   readonly #summary = element("summary", {}, "Files");
   readonly #rows = element("ul", { class: "upload-files" });
 
@@ -41,7 +41,7 @@ export class TransferView {
       element("strong", {}, name),
       this.#bar,
       this.#words,
-      this.#told,
+      this.#status,
       element(
         "p",
         { class: "hint" },
@@ -57,7 +57,7 @@ export class TransferView {
     this.#bar.value = total > 0 ? sent / total : 1;
     const words = describeTransfer(transfer, perSecond);
     setText(this.#words, words);
-    setText(this.#told, SAID[state] || words);
+    setText(this.#status, LABELS[state] || words);
     this.#words.classList.toggle("wrong", state === "failed");
     setText(this.pause, state === "failed" ? "Try again" : state === "paused" ? "Continue" : "Pause");
     this.pause.disabled = state === "finishing" || state === "done";

@@ -28,12 +28,12 @@ export function backingSize(css: Size, device: Size | null, ratio: number): Size
 export function observeBackingSize(canvas: HTMLCanvasElement, onSize: (size: Size) => void, signal: AbortSignal): void {
   let css: Size = { width: 0, height: 0 };
   let device: Size | null = null;
-  const tell = () => onSize(backingSize(css, device, devicePixelRatio));
+  const report = () => onSize(backingSize(css, device, devicePixelRatio));
   const observer = new ResizeObserver(([entry]) => {
     css = entry.contentRect;
     const [box] = entry.devicePixelContentBoxSize ?? [];
     device = box ? { width: box.inlineSize, height: box.blockSize } : null;
-    tell();
+    report();
   });
   try {
     observer.observe(canvas, { box: "device-pixel-content-box" });
@@ -41,7 +41,7 @@ export function observeBackingSize(canvas: HTMLCanvasElement, onSize: (size: Siz
     observer.observe(canvas); // Safari reports no device pixels
   }
   signal.addEventListener("abort", () => observer.disconnect());
-  followRatio(tell, signal);
+  followRatio(report, signal);
 }
 
 /** Call `onChange` whenever the device pixel ratio changes, for example on another monitor or by the browser's zoom. */

@@ -105,7 +105,7 @@ export class HgsPlayer extends PlayerReadings {
     this.#beginning = beginning;
     const shown = this.#load(src);
     shown.then(
-      () => this.tell("ready", null),
+      () => this.emit("ready", null),
       () => {}, // reported by `error`, or intentional
     );
     return shown;
@@ -179,7 +179,7 @@ export class HgsPlayer extends PlayerReadings {
 
   set muted(muted: boolean) {
     this.#muted = muted;
-    this.tell("volumechange", null);
+    this.emit("volumechange", null);
   }
 
   /** Loudness, from 0 to 1; other numbers are clamped. */
@@ -189,7 +189,7 @@ export class HgsPlayer extends PlayerReadings {
 
   set volume(volume: number) {
     this.#volume = Math.min(1, Math.max(0, volume));
-    this.tell("volumechange", null);
+    this.emit("volumechange", null);
   }
 
   /** The stretch of time that playing repeats, seconds, independent of `loop`; null for none, and without a scene. */
@@ -225,7 +225,7 @@ export class HgsPlayer extends PlayerReadings {
     return scene !== null;
   }
 
-  protected tell<K extends keyof HgsPlayerEvents>(type: K, detail: HgsPlayerEvents[K]): void {
+  protected emit<K extends keyof HgsPlayerEvents>(type: K, detail: HgsPlayerEvents[K]): void {
     this.dispatchEvent(new CustomEvent(type, { detail }));
   }
 
@@ -233,20 +233,20 @@ export class HgsPlayer extends PlayerReadings {
     if (this.#disposed.signal.aborted) throw new Error("this player has been disposed of");
     this.unload();
     this.asked.time = this.#beginning.time ?? this.asked.time;
-    this.tell("loadstart", null);
+    this.emit("loadstart", null);
     while (!claimContext(this.#tenant)) await this.#place(); // all contexts are in use
     try {
       const open = typeof src === "string" ? openSource(src) : src;
       const { antialiased = null, memoryBudget } = this.#options;
       const [time, playing, viewpoint] = [this.asked.time, this.asked.playing, this.#viewpoint()];
       const options = { open, time, playing, antialiased, memoryBudget, viewpoint };
-      this.#scene = new MountedScene(this.#stage, options, (type, detail) => this.#heard(type, detail));
+      this.#scene = new MountedScene(this.#stage, options, (type, detail) => this.#relay(type, detail));
       this.#scene.player.quality = this.#quality;
       this.#scene.player.splatBudget = this.#splatBudget;
     } catch (error) {
       leaveContext(this.#tenant);
       const message = error instanceof Error ? error.message : String(error);
-      this.tell("error", { message, cause: message });
+      this.emit("error", { message, cause: message });
       throw error;
     }
     await this.#scene.settled();
@@ -274,9 +274,9 @@ export class HgsPlayer extends PlayerReadings {
     try {
       const { SceneSound } = await import("../sound/scene_sound"); // not needed for most scenes
       if (!scene.gone.aborted) new SceneSound(this, scene.player, scene.gone);
-      this.tell("volumechange", null);
+      this.emit("volumechange", null);
     } catch (error) {
-      this.tell("error", { message: "The scene plays without its sound.", cause: String(error) });
+      this.emit("error", { message: "The scene plays without its sound.", cause: String(error) });
     }
   }
 
@@ -285,7 +285,7 @@ export class HgsPlayer extends PlayerReadings {
     return { camera, exact, size };
   }
 
-  #heard<K extends keyof HgsPlayerEvents>(type: K, detail: HgsPlayerEvents[K]): void {
+  #relay<K extends keyof HgsPlayerEvents>(type: K, detail: HgsPlayerEvents[K]): void {
     const scene = this.#scene;
     if (type === "manifest" && scene?.clock) {
       const { view = null, loopRange = null } = { ...this.#options, ...this.#beginning };
@@ -296,7 +296,7 @@ export class HgsPlayer extends PlayerReadings {
     }
     if (type === "pause") this.asked.playing = false;
     if (type === "viewchange" && this.#seen && scene) claimContext(this.#tenant);
-    this.tell(type, detail);
+    this.emit(type, detail);
   }
 }
 

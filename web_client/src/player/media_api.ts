@@ -36,7 +36,7 @@ export abstract class MediaApi {
   protected abstract changed(): void;
   /** Fulfilled when everything visible at the playhead is drawn, by false if there is no scene. */
   protected abstract settled(): Promise<boolean>;
-  protected abstract tell(type: "ratechange" | "seeked", detail: null): void;
+  protected abstract emit(type: "ratechange" | "seeked", detail: null): void;
 
   /** Apply the earlier requests: the manifest has arrived. */
   protected begin(): void {
@@ -71,7 +71,7 @@ export abstract class MediaApi {
     this.asked.time = checkedTime(time);
     this.playback?.seek(time);
     this.changed();
-    if (await this.settled()) this.tell("seeked", null);
+    if (await this.settled()) this.emit("seeked", null);
   }
 
   get paused(): boolean {
@@ -124,7 +124,7 @@ export abstract class MediaApi {
   set playbackRate(rate: number) {
     this.asked.rate = checkedRate(rate);
     this.playback?.setRate(rate);
-    this.tell("ratechange", null);
+    this.emit("ratechange", null);
   }
 
   /** Whether to begin again at the end. */

@@ -18,7 +18,7 @@ export interface MountedSceneOptions {
   readonly viewpoint: ViewpointOptions;
 }
 
-type Tell = <K extends keyof HgsPlayerEvents>(type: K, detail: HgsPlayerEvents[K]) => void;
+type Emit = <K extends keyof HgsPlayerEvents>(type: K, detail: HgsPlayerEvents[K]) => void;
 
 export class MountedScene {
   readonly canvas = document.createElement("canvas");
@@ -38,7 +38,7 @@ export class MountedScene {
   constructor(
     stage: HTMLElement,
     { open, time, playing, antialiased, memoryBudget, viewpoint }: MountedSceneOptions,
-    readonly tell: Tell,
+    readonly emit: Emit,
   ) {
     this.#failed = new Promise((_, reject) => {
       this.#fail = reject;
@@ -52,7 +52,7 @@ export class MountedScene {
     const events = {
       changed: () => {
         this.player?.invalidate();
-        tell("viewchange", null);
+        emit("viewchange", null);
       },
       depthAt: (x: number, y: number) => this.player.depthAt(x, y),
     };
@@ -69,12 +69,12 @@ export class MountedScene {
         onManifest: (manifest) => {
           this.viewpoint.begin(manifest);
           this.manifest = manifest;
-          tell("manifest", manifest);
+          emit("manifest", manifest);
         },
         onFrame: () => this.#frame(),
         onError: (message, cause) => {
           this.#fail(new Error(cause));
-          tell("error", { message, cause });
+          emit("error", { message, cause });
         },
       });
     } catch (error) {
@@ -107,8 +107,8 @@ export class MountedScene {
     const { clock, player } = this;
     if (clock) {
       const pictured = player.stats.firstFrame !== null;
-      for (const type of this.#progress.since(clock, pictured, performance.now())) this.tell(type, null);
+      for (const type of this.#progress.since(clock, pictured, performance.now())) this.emit(type, null);
     }
-    this.tell("frame", null);
+    this.emit("frame", null);
   }
 }

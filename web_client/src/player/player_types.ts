@@ -43,7 +43,7 @@ export interface PlayerStats {
   /** 0 while nothing is drawn. */
   readonly framesPerSecond: number;
   readonly framesDrawn: number;
-  /** Frames of the browser without a new picture while the scene played. */
+  /** Frames of the browser that brought no new picture while the scene played. */
   readonly framesDropped: number;
   /** Duration of the shown order's sort in the worker, milliseconds. */
   readonly sortTime: number;

@@ -163,7 +163,9 @@ export async function endSession(): Promise<void> {
   await request(siteUrl("v1/session"), { method: "DELETE" });
 }
 
-/** Create a link for visitors without a key, valid for so many seconds: the parameter `link` of the scene's page. */
+/**
+ * Create a link for visitors without a key, valid for a number of seconds: the parameter `link` of the scene's page.
+ */
 export async function makeLink(scene: string, seconds: number): Promise<string> {
   return String((await sendJson("POST", siteUrl("v1/links"), { scene, seconds })).link);
 }

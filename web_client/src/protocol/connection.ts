@@ -19,7 +19,7 @@ export interface Socket {
 }
 
 export interface ConnectionEvents {
-  /** Send the hello with so much credit. */
+  /** Send the hello with this credit. */
   open(credits: number): void;
   message(bytes: Uint8Array<ArrayBuffer>): void;
   closed(code: number): void;
@@ -45,14 +45,14 @@ export class Connection {
     this.#watch = new LineWatch(() => this.send({ type: "ping", id: ASK }), events.silent, patience);
     socket.binaryType = "arraybuffer";
     socket.onopen = () => {
-      this.#watch.heard();
+      this.#watch.received();
       const now = performance.now();
       this.#window = new CreditWindow(now - start, now); // the upgrade has taken a round trip, at least
       events.open(this.#window.grant());
       this.send({ type: "ping", id: MEASURE });
     };
     socket.onmessage = ({ data }) => {
-      this.#watch.heard();
+      this.#watch.received();
       const bytes = new Uint8Array(data as ArrayBuffer);
       if (bytes[0] === CHUNK_FRAME && this.#window?.received(bytes.length, performance.now())) {
         this.send({ type: "ping", id: MEASURE });

@@ -6,7 +6,7 @@ const TICK = 500; // ms
 
 export class LineWatch {
   readonly #timer = setInterval(() => this.#look(), TICK);
-  #heard = performance.now();
+  #received = performance.now();
   #looked = performance.now();
   #asked: number | null = null; // send time of the ping; null without one
 
@@ -24,8 +24,8 @@ export class LineWatch {
   ) {}
 
   /** A message has arrived. */
-  heard(): void {
-    this.#heard = performance.now();
+  received(): void {
+    this.#received = performance.now();
     this.#asked = null;
   }
 
@@ -48,7 +48,7 @@ export class LineWatch {
     if (this.#asked !== null && now - this.#asked >= ANSWER * this.patience) {
       this.stop();
       this.dead();
-    } else if (now - this.#heard >= QUIET * this.patience) {
+    } else if (now - this.#received >= QUIET * this.patience) {
       this.check();
     }
   }

@@ -145,7 +145,7 @@ class Reader {
     throw new RangeError(`0x${type.toString(16)} is no type`);
   }
 
-  /** An unsigned number of so many bytes. */
+  /** An unsigned number of `size` bytes. */
   #whole(size: number): number {
     let value = 0;
     for (const byte of this.#take(size)) value = value * 256 + byte;

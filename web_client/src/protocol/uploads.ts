@@ -155,14 +155,14 @@ export async function getCheck(capture: string, signal: AbortSignal): Promise<Ca
 function refusal(answer: XMLHttpRequest): ApiError {
   if (answer.status === 0) return new ApiError("The server cannot be reached.");
   if (answer.status === 401) dispatchEvent(new Event(KEY_NEEDED));
-  let told: { detail?: string; code?: string; field?: string } = {};
+  let problem: { detail?: string; code?: string; field?: string } = {};
   try {
-    told = JSON.parse(answer.responseText);
+    problem = JSON.parse(answer.responseText);
   } catch {
     // for example a proxy's page: the status must suffice
   }
-  const reason = told.detail ?? answer.statusText;
-  return new ApiError(`The server answered ${answer.status}: ${reason}`, answer.status, told.code, told.field);
+  const reason = problem.detail ?? answer.statusText;
+  return new ApiError(`The server answered ${answer.status}: ${reason}`, answer.status, problem.code, problem.field);
 }
 
 const offsetIn = (header: string | null): number => Number(header ?? Number.NaN);

@@ -25,14 +25,14 @@ export class SceneBuffer {
     return this.#here(this.#shownAt(time), true);
   }
 
-  /** True if the base layers of all chunks shown at `time` are there: missing ones only refine the picture. */
+  /** True if the base layers of all chunks shown at `time` are drawn or lost: other layers only refine the picture. */
   playable(time: number): boolean {
     return this.#here([...this.#statics, ...this.#shownAt(time)], false);
   }
 
   /**
-   * Whether playing from `time` on, at `rate`, is likely not to stall within `reserve` seconds if the line brings so
-   * many bytes per second.
+   * Whether playing from `time` on, at `rate`, is likely not to stall within `reserve` seconds, given the rate of the
+   * line.
    */
   lasts(time: number, rate: number, bytesPerSecond: number, reserve: number): boolean {
     const { slices } = this.manifest;
@@ -83,7 +83,7 @@ export class SceneBuffer {
     return this.manifest.static.map((chunk) => chunk.id);
   }
 
-  /** Whether all of the chunks, or at least the base layers among them, are there. */
+  /** Whether all of the chunks, or at least the base layers among them, are drawn or lost. */
   #here(ids: readonly string[], all: boolean): boolean {
     return ids.every((id) => this.states.settled(id) || (!all && this.#layers.get(id)?.layer !== 0));
   }

@@ -6,7 +6,7 @@ const PAUSES = [0, 1000];
 export interface IntakeEvents {
   /** Decode a chunk; answered by `done` or `damaged`. */
   decode(id: string, bytes: Uint8Array<ArrayBuffer>): void;
-  /** The decoder has finished so many bytes. */
+  /** The decoder has finished a number of bytes. */
   consumed(bytes: number): void;
   /** A chunk stays damaged; `message` is the reason. */
   lost(id: string, message: string): void;

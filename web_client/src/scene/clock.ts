@@ -109,7 +109,7 @@ export class PlayerClock {
     return this.#time;
   }
 
-  /** The playhead's time after so many seconds of playing: `last` itself only if it stops there. */
+  /** The playhead's time after a number of seconds of playing: `last` itself only if it stops there. */
   after(seconds: number): number {
     const next = this.#time + seconds * this.#rate;
     if (this.range && this.#time < this.range[1]) {

@@ -1,7 +1,4 @@
-/**
- * Playback: moves the playhead, and reports its course and its waits to the source, with a playhead of its own; and the
- * events of a playhead.
- */
+/** Playback of a buffer: the playhead's motion and waits, their reports to the source, and the events of a playhead. */
 
 import type { SceneSource } from "../source/scene_source";
 import type { SceneBuffer } from "./buffer";
@@ -56,7 +53,7 @@ export class Playback {
     if (this.clock.playing) this.source.play(this.clock.time, rate);
   }
 
-  /** Move the playhead; missing chunks there come before all others. */
+  /** Move the playhead; missing chunks there have priority. */
   seek(time: number): void {
     this.clock.seek(time);
     this.#reserve = FIRST;
@@ -108,7 +105,7 @@ export class ProgressEvents {
   #playing = false;
   #stalled = false;
   #time: number | null = null;
-  #toldAt = Number.NEGATIVE_INFINITY; // ms of the last of them
+  #emittedAt = Number.NEGATIVE_INFINITY; // ms of the last of them
 
   /** The events since the last call; `pictured`: there is a picture. `now` in milliseconds. */
   since(clock: PlayerClock, pictured: boolean, now: number): ProgressEvent[] {
@@ -117,11 +114,11 @@ export class ProgressEvents {
     if (clock.playing && !this.#playing) events.push("play");
     if (clock.stalled !== this.#stalled && clock.playing) events.push(clock.stalled ? "stalled" : "playing");
     const paused = this.#playing && !clock.playing;
-    const due = !clock.playing || now - this.#toldAt >= TIME_GAP;
+    const due = !clock.playing || now - this.#emittedAt >= TIME_GAP;
     if (clock.time !== this.#time && due) {
       events.push("timeupdate");
       this.#time = clock.time;
-      this.#toldAt = now;
+      this.#emittedAt = now;
     }
     if (paused) events.push("pause");
     if (paused && clock.time >= clock.end) events.push("ended");

@@ -22,7 +22,7 @@ export interface ResidencyEvents {
   evicted(id: string): void;
   /** A waiting chunk was dropped undecoded. */
   dropped(id: string): void;
-  /** There is work for `update`. */
+  /** The next `update` has work to do. */
   changed(): void;
 }
 
@@ -206,7 +206,7 @@ export class RowPool {
   /**
    * Take rows.
    *
-   * @throws RangeError if there are not so many.
+   * @throws RangeError if fewer are free.
    */
   take(count: number): number[] {
     if (count > this.#free.length)

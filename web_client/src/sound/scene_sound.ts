@@ -32,7 +32,7 @@ const REST = 500;
 const RETRY = 3000;
 
 /** The player of the sound: reports by events that a frame has passed or the loudness has changed; receives `error`. */
-export interface Heard extends Pick<EventTarget, "dispatchEvent"> {
+export interface SoundingPlayer extends Pick<EventTarget, "dispatchEvent"> {
   readonly manifest: Manifest | null;
   muted: boolean;
   /** From 0 to 1. */
@@ -70,7 +70,7 @@ export class SceneSound {
    * @throws ManifestError if the manifest's entry for sound is wrong.
    */
   constructor(
-    readonly player: Heard,
+    readonly player: SoundingPlayer,
     readonly scene: Pick<StreamedScene, "playback" | "source">,
     readonly gone: AbortSignal,
   ) {
@@ -105,12 +105,12 @@ export class SceneSound {
     }
     this.#fetch(context, wanted);
     if (context.state !== "running" || clock.ticked === null) return;
-    const { performanceTime: heard, contextTime } = outputTime(context);
-    const shown = clock.ticked + DISPLAY - heard / 1000; // the picture's time relative to the sound's
+    const { performanceTime: played, contextTime } = outputTime(context);
+    const shown = clock.ticked + DISPLAY - played / 1000; // the picture's time relative to the sound's
     const line = this.#alignment.follow({ zero: contextTime + shown - clock.time / clock.rate, rate: clock.rate });
     const [first] = wanted;
     if (line !== this.#run?.line && first !== undefined) this.#begin(context, this.#volume, line, first);
-    for (const piece of wanted) this.#hear(context, piece);
+    for (const piece of wanted) this.#schedule(context, piece);
   }
 
   /** The listed pieces; a growing manifest may have further ones. */
@@ -184,7 +184,7 @@ export class SceneSound {
   }
 
   /** Schedule a piece, if it is decoded, due soon, and not scheduled yet. */
-  #hear(context: AudioContext, piece: SoundPiece): void {
+  #schedule(context: AudioContext, piece: SoundPiece): void {
     const { start, end } = piece;
     const [run, buffer] = [this.#run, this.#buffers.get(start)];
     if (!run || !buffer || run.pieces.has(start)) return;
@@ -252,8 +252,8 @@ export class SceneSound {
 }
 
 /**
- * A piece of so many seconds at a rate, with its own pitch. The decoded sound ends with the piece; before it there is
- * the decoder's lead-in.
+ * A piece of `seconds` at a rate, with its own pitch. The decoded sound ends with the piece; before it there is the
+ * decoder's lead-in.
  */
 function atRate(context: AudioContext, decoded: AudioBuffer, seconds: number, rate: number): AudioBuffer {
   if (rate === 1) return decoded;

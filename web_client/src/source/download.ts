@@ -13,7 +13,7 @@ export class StatusError extends Error {
     super(`${url}: the server answered ${status}`);
   }
 
-  /** Whether the server has no such file. */
+  /** Whether the server reports that the file does not exist. */
   get missing(): boolean {
     return this.status === 404 || this.status === 410;
   }

@@ -133,9 +133,9 @@ export class HttpSource implements SceneSource {
 
   /** Fetch the chunks of this manifest from now on. */
   become(scene: SceneManifest): void {
-    const tell = this.#scene ? "grown" : "manifest";
+    const event = this.#scene ? "grown" : "manifest";
     this.#scene = scene;
-    this.events[tell](scene.manifest);
+    this.events[event](scene.manifest);
     this.#order = new ChunkOrder(scene.manifest);
     this.#fetchMore();
   }

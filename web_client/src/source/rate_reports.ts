@@ -3,7 +3,7 @@
 import { Throughput } from "./throughput";
 
 /** Shortest pause between reports, ms, and smallest change. */
-const TELL = 1000;
+const PAUSE = 1000;
 const CHANGE = 1.2;
 
 export class RateReports {
@@ -14,9 +14,9 @@ export class RateReports {
   /**
    * Measure the line.
    *
-   * @param tell is called when `rate` should be reported to the server.
+   * @param report is called when `rate` should be reported to the server.
    */
-  constructor(readonly tell: () => void) {}
+  constructor(readonly report: () => void) {}
 
   /** The rate to report, bytes per second; 0 while unknown. */
   get rate(): number {
@@ -28,10 +28,10 @@ export class RateReports {
     this.#line.count(bytes, now);
     const rate = Math.round(this.#line.rate(now));
     const change = rate / this.#rate; // infinite at first
-    if (rate === 0 || now - this.#at < TELL || (change < CHANGE && change > 1 / CHANGE)) return;
+    if (rate === 0 || now - this.#at < PAUSE || (change < CHANGE && change > 1 / CHANGE)) return;
     this.#at = now;
     this.#rate = rate;
-    this.tell();
+    this.report();
   }
 
   /** Forget the reported rate, for a new connection. */

@@ -11,7 +11,7 @@ const HELLO_TIMEOUT = 4008;
 
 export interface ReconnectingEvents {
   connecting(): void;
-  /** A connection is open: send the hello with so much credit. */
+  /** A connection is open: send the hello with this credit. */
   open(credits: number): void;
   message(bytes: Uint8Array<ArrayBuffer>): void;
   /** The connection is lost, and will be replaced; `silent` if it did not end, but no message arrived. */

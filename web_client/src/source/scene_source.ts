@@ -51,7 +51,7 @@ export interface SceneSource {
   seek(time: number): void;
   /** Note the playhead's place, without a change of its course. */
   playheadAt(time: number): void;
-  /** A complete chunk of so many bytes has been decoded. */
+  /** Report that a complete chunk of this size has been decoded. */
   consumed(bytes: number): void;
   /**
    * Bring a chunk's bytes once more, also after `close`: from a cache, or around all caches, which may hold a damaged

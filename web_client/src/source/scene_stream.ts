@@ -33,7 +33,7 @@ const PASSING: ReadonlySet<string> = new Set(["internal", "hello-timeout"]);
 export class SceneStream implements SceneSource {
   readonly #have = new Set<string>();
   readonly #partial = new PartialChunks();
-  readonly #rates = new RateReports(() => this.#tell());
+  readonly #rates = new RateReports(() => this.#sendLimits());
   readonly #moves = new PlayheadMessages((message) => this.#send(message));
   readonly #socket: ReconnectingSocket;
   #sound = new StreamedSound(new Set(), () => {});
@@ -89,7 +89,7 @@ export class SceneStream implements SceneSource {
     this.#playhead = { ...this.#playhead, time };
   }
 
-  /** A complete chunk of so many bytes has been decoded. */
+  /** Report that a complete chunk of this size has been decoded. */
   consumed(bytes: number): void {
     this.#undecoded -= bytes;
     this.#grant();
@@ -127,7 +127,7 @@ export class SceneStream implements SceneSource {
   }
 
   /** Send the server the client's state. */
-  #tell(): void {
+  #sendLimits(): void {
     const { rate } = this.#rates;
     this.#send({ type: "limits", ...(rate > 0 && { measured: rate }), ...(this.#sound.wanted && { audio: true }) });
   }
@@ -201,7 +201,7 @@ export class SceneStream implements SceneSource {
         if (before) {
           this.#grown();
         } else {
-          this.#sound = new StreamedSound(soundsOf(scene.manifest), () => this.#tell());
+          this.#sound = new StreamedSound(soundsOf(scene.manifest), () => this.#sendLimits());
           this.events.manifest(scene.manifest);
         }
       },

@@ -25,7 +25,7 @@ export function openServed(
     let failures = 0; // consecutive failures with an answer over HTTP after each
     let hopeful = true; // true until a connection was there or the server is known to be down
     let asking: AbortController | null = null;
-    const told: SourceEvents = {
+    const watched: SourceEvents = {
       ...events,
       state(state: SourceState) {
         if (state === "open") {
@@ -35,7 +35,7 @@ export function openServed(
         events.state(state === "retrying" && hopeful ? "connecting" : state);
       },
     };
-    const socketed = new SceneStream(stream, told, playhead, connect, (silent) => void ask(silent));
+    const socketed = new SceneStream(stream, watched, playhead, connect, (silent) => void ask(silent));
     let source: SceneSource = socketed;
 
     /** Check the scene over HTTP, and act on the answer. */

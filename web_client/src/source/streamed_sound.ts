@@ -85,11 +85,11 @@ export class StreamedSound {
   #listen(): void {
     clearTimeout(this.#quiet);
     if (this.#ended) return;
-    this.#quiet = setTimeout(() => this.#want(false), QUIET);
-    this.#want(true);
+    this.#quiet = setTimeout(() => this.#request(false), QUIET);
+    this.#request(true);
   }
 
-  #want(wanted: boolean): void {
+  #request(wanted: boolean): void {
     if (this.#wanted === wanted) return;
     this.#wanted = wanted;
     this.changed();

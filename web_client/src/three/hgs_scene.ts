@@ -40,7 +40,7 @@ export class HgsScene extends withMediaApi(Object3D<HgsSceneEventMap>) {
   /**
    * Create a scene.
    *
-   * @throws Error with one line for people if no scene can be at such an address.
+   * @throws Error with one line for people if the address cannot be a scene's.
    * @throws RangeError if `playbackRate` is not in (0, 16], or `splatBudget` not at least 1.
    */
   constructor(options: HgsSceneOptions) {
@@ -56,7 +56,7 @@ export class HgsScene extends withMediaApi(Object3D<HgsSceneEventMap>) {
       frame: (settled) => this.#framed(settled),
       restored: () => {
         this.#scene.restore();
-        this.tell("change", null);
+        this.emit("change", null);
       },
     });
     this.#scene = new StreamedScene(
@@ -73,21 +73,21 @@ export class HgsScene extends withMediaApi(Object3D<HgsSceneEventMap>) {
         manifest: (manifest) => {
           this.#mesh.bound(manifest);
           this.begin();
-          this.tell("manifest", manifest);
+          this.emit("manifest", manifest);
           if (manifest.audio) void this.#sound.listen();
         },
-        changed: () => this.tell("change", null),
-        ordered: () => this.tell("change", null),
+        changed: () => this.emit("change", null),
+        ordered: () => this.emit("change", null),
         failed: (message, cause) => {
           this.#fail(new Error(cause));
-          this.tell("error", { message, cause });
+          this.emit("error", { message, cause });
         },
       },
     );
     this.#scene.splatBudget = checkedSplats(options.splatBudget ?? Number.POSITIVE_INFINITY);
     this.#sound = new HostSound(options, this.#scene, this.#listeners.signal, {
-      changed: () => this.tell("volumechange", null),
-      failed: (problem) => this.tell("error", problem),
+      changed: () => this.emit("volumechange", null),
+      failed: (problem) => this.emit("error", problem),
     });
     this.#mesh = new SplatMesh((renderer, camera) => this.#draw(renderer, camera));
     this.add(this.#mesh);
@@ -95,7 +95,7 @@ export class HgsScene extends withMediaApi(Object3D<HgsSceneEventMap>) {
     document.addEventListener("visibilitychange", () => this.#visibility(), { signal });
     addEventListener("online", () => this.#scene.wake(), { signal });
     this.settled().then(
-      () => this.tell("ready", null),
+      () => this.emit("ready", null),
       () => {}, // reported by `error`, or intentional
     );
   }
@@ -158,7 +158,7 @@ export class HgsScene extends withMediaApi(Object3D<HgsSceneEventMap>) {
   }
 
   protected changed(): void {
-    this.tell("change", null);
+    this.emit("change", null);
   }
 
   protected async settled(): Promise<boolean> {
@@ -179,7 +179,7 @@ export class HgsScene extends withMediaApi(Object3D<HgsSceneEventMap>) {
       this.#refused = cause;
       // biome-ignore lint/suspicious/noConsole: the place where developers look for it
       console.warn(`HgsScene: ${cause}`);
-      this.tell("error", { message: cause, cause });
+      this.emit("error", { message: cause, cause });
     }
   }
 
@@ -191,9 +191,9 @@ export class HgsScene extends withMediaApi(Object3D<HgsSceneEventMap>) {
     this.#sound.framed();
     for (const type of this.#progress.since(clock, this.#scene.pictured, performance.now())) {
       if (type === "pause") this.asked.playing = false;
-      this.tell(type, null);
+      this.emit(type, null);
     }
-    if (clock.playing) this.tell("change", null);
+    if (clock.playing) this.emit("change", null);
   }
 
   /** The connection may have died while the page was hidden. */
@@ -202,7 +202,7 @@ export class HgsScene extends withMediaApi(Object3D<HgsSceneEventMap>) {
     this.playback?.pageHidden(document.hidden);
   }
 
-  protected tell<K extends keyof HgsSceneEvents>(type: K, detail: HgsSceneEvents[K]): void {
+  protected emit<K extends keyof HgsSceneEvents>(type: K, detail: HgsSceneEvents[K]): void {
     (this.dispatchEvent as (event: { type: K; detail: HgsSceneEvents[K] }) => void).call(this, { type, detail });
   }
 }

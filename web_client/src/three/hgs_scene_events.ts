@@ -15,7 +15,7 @@ export interface HgsSceneOptions extends PlayingOptions, SoundOptions, Pick<Begi
 }
 
 /** The events of a player that a scene has, too. */
-type Told =
+type SharedEvent =
   | "manifest"
   | "firstpicture"
   | "ready"
@@ -30,7 +30,7 @@ type Told =
   | "volumechange"
   | "error";
 
-export type HgsSceneEvents = Pick<HgsPlayerEvents, Told> & {
+export type HgsSceneEvents = Pick<HgsPlayerEvents, SharedEvent> & {
   /** The next picture will differ: for hosts that draw on demand. Request a frame; do not draw in the listener. */
   change: null;
 };

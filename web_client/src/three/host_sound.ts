@@ -3,7 +3,7 @@
 import type { Manifest } from "../codec/types";
 import type { PlayerProblem, SoundOptions } from "../player/hgs_player_events";
 import type { StreamedScene } from "../scene/streamed_scene";
-import type { Heard } from "../sound/scene_sound";
+import type { SoundingPlayer } from "../sound/scene_sound";
 
 export interface HostSoundEvents {
   /** Volume or muting has changed. */
@@ -11,7 +11,7 @@ export interface HostSoundEvents {
   failed(problem: PlayerProblem): void;
 }
 
-export class HostSound extends EventTarget implements Heard {
+export class HostSound extends EventTarget implements SoundingPlayer {
   #muted: boolean;
   #volume: number;
 

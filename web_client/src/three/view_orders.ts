@@ -49,7 +49,7 @@ export class ViewOrders {
     return this.#turn;
   }
 
-  /** Keep a new order, in a borrowed array. False if it was requested before anybody's turn. */
+  /** Keep a new order, in a borrowed array. False if it was requested before the first turn. */
   take(key: OrderKey, ids: Uint32Array, count: number): boolean {
     const awaited = this.#asked !== null && sameSight(sightOf([this.#asked]), key);
     if (awaited) {

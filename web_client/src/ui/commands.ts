@@ -23,7 +23,7 @@ export class Message {
     signal.addEventListener("abort", () => clearTimeout(this.#timer));
   }
 
-  say(text: string): void {
+  show(text: string): void {
     clearTimeout(this.#timer);
     this.node.textContent = text;
     this.#timer = setTimeout(() => {
@@ -67,14 +67,23 @@ export class Commands {
       surroundings.crop && new LatePart<PageTool>(async () => surroundings.crop!(player, root), fail, player.disposed);
     const toggleCrop = cropping ? () => cropping.use((tool) => tool.toggle()) : null;
     const message = new Message(player.disposed);
-    const say = (text: string) => message.say(text);
+    const notify = (text: string) => message.show(text);
     this.fly = new FlyMode(keys, player.camera, player.disposed);
     const changed = () => {
       marked();
       this.#panels.update();
       root.classList.toggle("flying", this.fly.active);
     };
-    const actions = new PlayerActions(player, { fly: this.fly, bookmarks, keep, say, fail, changed, link, toggleCrop });
+    const actions = new PlayerActions(player, {
+      fly: this.fly,
+      bookmarks,
+      keep,
+      notify,
+      fail,
+      changed,
+      link,
+      toggleCrop,
+    });
     const bindings = playerKeys(player, actions, {
       toggleFullscreen,
       toggleStatistics: () => this.#panels.toggleStatistics(),

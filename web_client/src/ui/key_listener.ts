@@ -3,14 +3,14 @@
 /** Listen for keys on `target` until `signal` aborts, except those that `ignores` leaves to other elements. */
 export function listenForKeys(
   target: EventTarget,
-  heard: (event: KeyboardEvent) => void,
+  pressed: (event: KeyboardEvent) => void,
   ignores: (event: KeyboardEvent, control: EventTarget) => boolean,
   signal: AbortSignal,
 ): void {
   const listen = (event: KeyboardEvent): void => {
     if (event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey) return;
     // The target of the key may be inside a shadow root.
-    if (!ignores(event, event.composedPath()[0])) heard(event);
+    if (!ignores(event, event.composedPath()[0])) pressed(event);
   };
   target.addEventListener("keydown", (event) => listen(event as KeyboardEvent), { signal });
 }

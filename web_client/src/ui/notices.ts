@@ -64,7 +64,7 @@ export class Notices {
   readonly #close = element("button", { type: "button", class: "round", title: "Close", "aria-label": "Close" });
   readonly #remark = element("div", { class: "notice remark", role: "alert", hidden: true }, this.#problem);
   readonly node = element("div", { class: "notices", hidden: true }, this.#remark, this.#box);
-  readonly #told = new Set<string>();
+  readonly #reported = new Set<string>();
   #kind: NoticeKind = "loading";
   #late = false;
   #timer: ReturnType<typeof setTimeout> | undefined;
@@ -86,7 +86,7 @@ export class Notices {
 
   /** Remove the notices of the last scene: another one is loading. */
   begin(): void {
-    this.#told.clear();
+    this.#reported.clear();
     this.#remark.hidden = true;
     this.node.hidden = false;
     setText(this.#text, "");
@@ -99,8 +99,8 @@ export class Notices {
    * first error stays until then, and none is shown twice.
    */
   fail(message: string): void {
-    if (!this.#remark.hidden || this.#told.has(message)) return;
-    this.#told.add(message);
+    if (!this.#remark.hidden || this.#reported.has(message)) return;
+    this.#reported.add(message);
     this.#problem.textContent = message;
     this.#remark.hidden = false;
     this.node.hidden = false;

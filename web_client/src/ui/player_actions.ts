@@ -16,7 +16,7 @@ export const RATES = [0.25, 0.5, 0.75, 1, 1.25, 1.5, 2] as const;
 export const seekStep = (duration: number): number => Math.min(5, duration / 10);
 export const longSeekStep = (duration: number): number => Math.min(10, duration / 5);
 
-/** The rate so many steps faster than `rate`, within `RATES`. */
+/** The rate a number of steps faster than `rate`, within `RATES`. */
 export function rateAfter(rate: number, steps: 1 | -1): number {
   const next = steps === 1 ? RATES.find((other) => other > rate) : RATES.filter((other) => other < rate).at(-1);
   return next ?? rate;
@@ -29,7 +29,7 @@ export interface ActionSurroundings {
   /** The bookmarks have changed. */
   keep(bookmarks: readonly number[]): void;
   /** Show a confirmation. */
-  say(text: string): void;
+  notify(text: string): void;
   /** Show an error. */
   fail(text: string): void;
   /** A state of the controls has changed. */
@@ -60,7 +60,7 @@ export class PlayerActions {
 
   seekTo(time: number): void {
     this.player.currentTime = time;
-    this.surroundings.say(formatTime(time - this.player.start));
+    this.surroundings.notify(formatTime(time - this.player.start));
   }
 
   /** Move the playhead to a share of the scene. */
@@ -89,7 +89,7 @@ export class PlayerActions {
         ? ([now, to > now ? to : player.end] as const)
         : ([from < now ? from : player.start, now] as const);
     if (!(range[0] < range[1])) {
-      this.surroundings.say("The repeated part must start before it ends");
+      this.surroundings.notify("The repeated part must start before it ends");
       return;
     }
     player.loopRange = range;
@@ -115,14 +115,14 @@ export class PlayerActions {
 
   goToBookmark(direction: 1 | -1): void {
     const time = neighbour(this.surroundings.bookmarks.times, this.player.currentTime, direction);
-    if (time === null) this.surroundings.say(direction === 1 ? "No later bookmark" : "No earlier bookmark");
+    if (time === null) this.surroundings.notify(direction === 1 ? "No later bookmark" : "No earlier bookmark");
     else this.seekTo(time);
   }
 
   toggleMuted(): void {
     const { player } = this;
     if (player.manifest?.audio) toggleMuted(player);
-    else this.surroundings.say("This scene has no sound");
+    else this.surroundings.notify("This scene has no sound");
   }
 
   toggleFly(): void {
@@ -133,12 +133,12 @@ export class PlayerActions {
 
   resetCamera(): void {
     this.player.camera.reset();
-    this.surroundings.say("Back to the camera");
+    this.surroundings.notify("Back to the camera");
   }
 
   /** Copy a link that opens on the same picture. */
   async copyLink(): Promise<void> {
-    const { link, bookmarks, say, fail } = this.surroundings;
+    const { link, bookmarks, notify, fail } = this.surroundings;
     if (!link) return;
     const { player } = this;
     const address = link({
@@ -151,7 +151,7 @@ export class PlayerActions {
     });
     try {
       await navigator.clipboard.writeText(address);
-      say("Link copied");
+      notify("Link copied");
     } catch {
       fail(`This browser does not allow copying. The link: ${address}`); // pages over http without a certificate
     }
@@ -159,16 +159,16 @@ export class PlayerActions {
 
   /** Save the picture as a file. */
   async savePicture(): Promise<void> {
-    const { say, fail } = this.surroundings;
+    const { notify, fail } = this.surroundings;
     try {
-      say(`Saved ${await savePicture(this.player)}`);
+      notify(`Saved ${await savePicture(this.player)}`);
     } catch (error) {
       fail(`The picture could not be saved: ${error instanceof Error ? error.message : error}`);
     }
   }
 
   #done(text: string): void {
-    this.surroundings.say(text);
+    this.surroundings.notify(text);
     this.surroundings.changed();
   }
 }

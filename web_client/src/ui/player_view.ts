@@ -227,7 +227,7 @@ export class PlayerView {
       onTap: () => togglePlaying(player),
     };
     listenForGestures(this.#stage, steering(player.camera, fly), gestures, signal);
-    const heard = (event: KeyboardEvent) => {
+    const pressed = (event: KeyboardEvent) => {
       if (!commands.here) {
         if (!mayBeObeyed(event)) return;
         event.preventDefault(); // the key's command is not loaded yet
@@ -238,6 +238,6 @@ export class PlayerView {
       player.manifest === null ||
       control instanceof HTMLSelectElement ||
       ([" ", "Enter"].includes(event.key) && control instanceof HTMLButtonElement); // the key presses the button
-    listenForKeys(this.#keys, heard, ignores, signal);
+    listenForKeys(this.#keys, pressed, ignores, signal);
   }
 }

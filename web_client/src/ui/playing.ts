@@ -11,7 +11,7 @@ export function togglePlaying(player: HgsPlayer): void {
   else player.pause();
 }
 
-/** Pause, so many frames later. */
+/** Pause a number of frames later. */
 export function stepFrames(player: HgsPlayer, frames: number): void {
   player.pause();
   player.currentTime += frames / (player.manifest?.frameRate ?? 1);

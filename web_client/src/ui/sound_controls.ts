@@ -27,11 +27,11 @@ export function addSoundControls(player: HgsPlayer, bar: HTMLElement): void {
   let shown = "";
   const update = () => {
     const silent = isSilent(player);
-    const heard = silent ? 0 : player.volume;
-    volume.value = String(heard);
-    volume.style.setProperty("--share", String(heard));
-    setAttribute(volume, "aria-valuetext", silent ? "Muted" : `${Math.round(100 * heard)} %`);
-    const path = silent ? MUTED : heard > 0.5 ? LOUD : QUIET;
+    const level = silent ? 0 : player.volume;
+    volume.value = String(level);
+    volume.style.setProperty("--share", String(level));
+    setAttribute(volume, "aria-valuetext", silent ? "Muted" : `${Math.round(100 * level)} %`);
+    const path = silent ? MUTED : level > 0.5 ? LOUD : QUIET;
     if (path === shown) return;
     shown = path;
     const label = silent ? "Sound on" : "Mute";

@@ -25,14 +25,14 @@ export class SceneWorker {
     this.#worker.onmessage = ({ data }: MessageEvent<FromWorker>) => this.#receive(data);
     this.#worker.onerror = ({ message }) => events.stopped(message);
     decompressor().then(
-      (module) => this.#tell({ type: "decompressor", module }),
+      (module) => this.#post({ type: "decompressor", module }),
       (error) => events.stopped(`zstd.wasm: ${error instanceof Error ? error.message : error}`),
     );
   }
 
   /** Set the scene of the chunks; first, and again when it has grown. */
   begin(manifest: Manifest): void {
-    this.#tell({ type: "scene", manifest });
+    this.#post({ type: "scene", manifest });
   }
 
   /**
@@ -40,31 +40,31 @@ export class SceneWorker {
    * its splats if it is dynamic.
    */
   decode(id: string, bytes: Uint8Array<ArrayBuffer>, rows: readonly number[] = []): void {
-    this.#tell({ type: "chunk", id, bytes, rows }, [bytes.buffer]);
+    this.#post({ type: "chunk", id, bytes, rows }, [bytes.buffer]);
   }
 
   /** Forget a decoded chunk. */
   evict(id: string): void {
-    this.#tell({ type: "evict", id });
+    this.#post({ type: "evict", id });
   }
 
   /** Pack all chunks again; answered by `packed` for every chunk, and then by `repacked`. */
   repack(): void {
-    this.#tell({ type: "repack" });
+    this.#post({ type: "repack" });
   }
 
   /** Order the splats, one order at a time; `recycled` returns the ids of an earlier one. Answered by `ordered`. */
   order({ depth, frustum, exact, budget, time, from, until }: OrderRequest, recycled?: Uint32Array<ArrayBuffer>): void {
     const request = { depth, frustum, exact, budget, time, from, until };
-    if (recycled) this.#tell({ type: "order", request, recycled }, [recycled.buffer]);
-    else this.#tell({ type: "order", request });
+    if (recycled) this.#post({ type: "order", request, recycled }, [recycled.buffer]);
+    else this.#post({ type: "order", request });
   }
 
   dispose(): void {
     this.#worker.terminate();
   }
 
-  #tell(message: ToWorker, transfer: Transferable[] = []): void {
+  #post(message: ToWorker, transfer: Transferable[] = []): void {
     this.#worker.postMessage(message, transfer);
   }
 

@@ -33,13 +33,13 @@ export class DepthList implements SortedSplats {
   #digits = new Uint16Array(0); // shares memory with the other keys
   readonly #bins = new Uint32Array(2 * BINS);
 
-  /** Empty the list and make room for so many. */
+  /** Empty the list and make room for a number of splats. */
   reset(capacity: number): void {
     this.count = 0;
     this.makeRoom(capacity);
   }
 
-  /** Make room for so many more. */
+  /** Make room for a number of further splats. */
   makeRoom(more: number): void {
     const capacity = this.count + more;
     if (this.keys.length >= capacity) return;

@@ -16,7 +16,7 @@ class Scene extends withMediaApi(Host) {
   protected asked = asked({ loop: true, autoplay: true, playbackRate: 2, time: 3 });
   protected playback: Playback | null = null;
   protected changed = changed;
-  protected tell = told;
+  protected emit = told;
   protected settled = async () => this.playback !== null;
 
   /** A scene from 1 to 5 seconds has come. */

@@ -8,7 +8,7 @@ const PIXELS = { width: 1, height: 1 };
 class Player extends PlayerReadings {
   protected asked = asked({});
   protected changed = vi.fn();
-  protected tell = vi.fn();
+  protected emit = vi.fn();
   protected settled = async () => true;
 
   constructor(protected mounted: MountedScene | null) {

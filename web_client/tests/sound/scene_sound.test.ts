@@ -1,7 +1,7 @@
 import { afterEach, beforeEach, expect, it, vi } from "vitest";
 import type { Manifest } from "../../src/codec/types";
 import type { StreamedScene } from "../../src/scene/streamed_scene";
-import { type Heard, SceneSound } from "../../src/sound/scene_sound";
+import { SceneSound, type SoundingPlayer } from "../../src/sound/scene_sound";
 
 const device = {
   state: "running",
@@ -31,13 +31,14 @@ const fetchAgain = vi.fn((_: string) => Promise.resolve(new Uint8Array(9)));
 const fetched = () => fetchAgain.mock.calls.map(([id]) => Number(id));
 let manifest: Pick<Manifest, "audio" | "room">;
 let time = 0;
-let player: Heard & EventTarget;
+let player: SoundingPlayer & EventTarget;
 
 beforeEach(() => {
   vi.stubGlobal("navigator", {});
   vi.stubGlobal("document", Object.assign(new EventTarget(), { hidden: false }));
   const target = new EventTarget();
-  player = Object.assign(target, { muted: false, volume: 1, manifest: null }) as unknown as Heard & EventTarget;
+  player = Object.assign(target, { muted: false, volume: 1, manifest: null }) as unknown as SoundingPlayer &
+    EventTarget;
   Object.defineProperty(player, "manifest", { get: () => manifest });
 });
 afterEach(() => {

@@ -21,19 +21,19 @@ it.each([
 describe("a scene from 1 to 11 seconds", () => {
   let player: { start: number; end: number; duration: number; currentTime: number; loopRange: unknown };
   let actions: PlayerActions;
-  const say = vi.fn();
+  const notify = vi.fn();
   const fail = vi.fn();
   const keep = vi.fn();
 
   beforeEach(() => {
-    say.mockClear();
+    notify.mockClear();
     fail.mockClear();
     player = { start: 1, end: 11, duration: 10, currentTime: 4, loopRange: null };
     actions = new PlayerActions(player as unknown as HgsPlayer, {
       fly: {} as FlyMode,
       bookmarks: { times: [] },
       keep,
-      say,
+      notify,
       fail,
       changed: () => {},
       link: ({ time }) => `https://a.example/?t=${time}`,
@@ -48,7 +48,7 @@ describe("a scene from 1 to 11 seconds", () => {
     expect(player.currentTime).toBe(11);
     actions.jump(0.3);
     expect(player.currentTime).toBe(4);
-    expect(say).toHaveBeenLastCalledWith("0:03.00"); // as the bar counts
+    expect(notify).toHaveBeenLastCalledWith("0:03.00"); // as the bar counts
   });
 
   it("repeats from one key's place to the other's, to the end while there is only one", () => {
@@ -68,7 +68,7 @@ describe("a scene from 1 to 11 seconds", () => {
     player.currentTime = 1;
     actions.setLoop("to");
     expect(player.loopRange).toBeNull();
-    expect(say).toHaveBeenCalledWith(expect.stringContaining("must start before"));
+    expect(notify).toHaveBeenCalledWith(expect.stringContaining("must start before"));
   });
 
   it("goes from bookmark to bookmark", () => {
@@ -79,7 +79,7 @@ describe("a scene from 1 to 11 seconds", () => {
     expect(player.currentTime).toBe(4);
     actions.goToBookmark(1);
     expect(player.currentTime).toBe(4);
-    expect(say).toHaveBeenLastCalledWith("No later bookmark");
+    expect(notify).toHaveBeenLastCalledWith("No later bookmark");
   });
 
   it("shows the link where the browser does not let the page copy", async () => {
