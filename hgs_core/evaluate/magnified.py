@@ -27,7 +27,7 @@ __all__ = ["LARGEST_MAGNIFICATION", "WALKS", "MagnifiedScorer", "walked"]
 
 LARGEST_MAGNIFICATION = 8
 WALKS = (1 / 3, 2 / 3)
-"""Shares of the way from a camera to what moves."""
+"""Shares of the way from a camera to the movers."""
 
 _MOMENTS = 5  # pictures per camera
 _SEEN = 0.5  # alpha from which on a pixel has a depth
@@ -36,7 +36,7 @@ _SAME_SURFACE = 0.02  # difference of depths, in parts of the depth
 
 @dataclass(frozen=True)
 class MagnifiedScorer:
-    """A decoded scene, and what its pictures are compared with."""
+    """A decoded scene, and the truth of its pictures."""
 
     scene: HybridScene[Tensor]
     manifest: Manifest

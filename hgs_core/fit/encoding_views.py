@@ -13,6 +13,8 @@ from torch import Tensor
 
 from hgs_core.base.arrays import Floats
 from hgs_core.capture.capture import Capture
+from hgs_core.codec.format.start_views import StartViews
+from hgs_core.fit.find_start_views import find_start_views
 from hgs_core.fit.orbit_cameras import orbit_cameras
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import HybridScene
@@ -38,6 +40,14 @@ class EncodeViews:
     photographed: bool = False  # `trained` took pictures: they tell from where the scene may be looked at
     first: int = 0  # first frame of a part of the capture
     up: tuple[float, float, float] | None = None  # unit vector, where somebody chose it; None: what the cameras tell
+
+    def start_views(self, scene: HybridScene[Floats]) -> StartViews | None:
+        """Return the first views of a scene; None for cameras without pictures, and where nothing moves."""
+        return find_start_views(scene, list(self.trained.values())) if self.photographed else None
+
+    def first_camera(self, starts: StartViews | None) -> Camera:
+        """Return the camera of the start on a wide screen."""
+        return next((c for c in self.cameras if starts is not None and c.name == starts.wide.camera), self.cameras[0])
 
     def moment(self, camera: int, frame: int) -> float:
         """Return the second that a camera's picture of a frame shows."""

@@ -160,7 +160,7 @@ def _encode(
     part = segment.frames / len(whole.times)
     utility = Utility(utility.static, tuple(SetUtility(one.shown * part, one.missed * part) for one in utility.dynamic))
     training: dict[str, Any] = {}
-    picture = audio = None
+    picture = audio = starts = None
     settings_file = folder.segment(0) / _SETTINGS
     if number == 0:
         found = fit(scene, views, utility, spec.config.encode.budget, spec.config.train, seed=spec.config.seed)
@@ -171,7 +171,8 @@ def _encode(
             "encoding_loss": round(found.loss.whole, 4),
             "encoding_loss_moving": None if moving is None else round(moving, 4),
         }
-        picture = thumbnail(scene, views.cameras[0])
+        starts = views.start_views(scene)
+        picture = thumbnail(scene, views.first_camera(starts))
         end = segments[-1].clock.end
         audio = scene_sound(folder, spec, views.capture, scene.start, end)
     else:
@@ -190,6 +191,7 @@ def _encode(
         training=training,
         utility=utility,
         trained=list(whole.trained.values()) if whole.photographed else (),
+        start_views=starts,
         up=whole.up,
         audio=audio,
     )

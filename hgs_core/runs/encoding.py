@@ -84,7 +84,8 @@ def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, f
         trained=lambda done: progress(Progress("encode", 1 + done, steps)),
     )
     progress(Progress("encode", steps - 2, steps))
-    picture = thumbnail(found.scene, views.cameras[0])
+    starts = views.start_views(found.scene)
+    picture = thumbnail(found.scene, views.first_camera(starts))
     progress(Progress("encode", steps - 1, steps))
     summary = json.loads(folder.train_summary.read_text())
     training = told_of_training(summary) | {
@@ -103,6 +104,7 @@ def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, f
         training=training,
         utility=found.utility,
         trained=list(views.trained.values()) if views.photographed else (),
+        start_views=starts,
         up=views.up,
         audio=scene_sound(folder, spec, views.capture, found.scene.start, found.scene.end),
     )

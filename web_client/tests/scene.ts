@@ -36,6 +36,7 @@ export const manifest = (fields: Partial<Manifest> = {}): Manifest => ({
   antialiased: false,
   metresPerUnit: null,
   live: null,
+  startViews: [],
   photographed: false,
   capturedSpace: null,
   ...fields,

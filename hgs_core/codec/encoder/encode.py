@@ -27,6 +27,7 @@ from hgs_core.codec.format.chunk import VERSIONS, Box
 from hgs_core.codec.format.decode import DecodedChunk
 from hgs_core.codec.format.manifest import ChunkEntry, Manifest, SegmentEntry, SliceEntry
 from hgs_core.codec.format.scene_folder import CHUNKS, MANIFEST, THUMBNAIL, chunk_id
+from hgs_core.codec.format.start_views import StartViews
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import HybridScene
 from hgs_core.scene.temporal import lifetime
@@ -56,6 +57,7 @@ def encode_scene(
     utility: Utility | None = None,
     closer: Sequence[Camera] = (),
     trained: Sequence[Camera] = (),
+    start_views: StartViews | None = None,
     metres_per_unit: float | None = None,
     up: tuple[float, float, float] | None = None,
     audio: CodedAudio | None = None,
@@ -66,9 +68,10 @@ def encode_scene(
     JSON can hold, `utility` what every splat was measured to do to the capture's pictures (else it is guessed from size
     and opacity, and nothing is pruned for it). Splats are sized for how `cameras` and `closer` see them; the manifest
     names the former. `trained` are those of them whose pictures made the scene: they tell the manifest's captured
-    space, which it lacks without them. `metres_per_unit`, above 0, tells headsets how large the scene is, where known.
-    `up` is the unit vector that points upwards; without it, the mean of the cameras' upward directions. `audio` is the
-    scene's sound, on the clock of `times`.
+    space, which it lacks without them. `start_views` are the first views of viewers, else the first camera.
+    `metres_per_unit`, above 0, tells headsets how large the scene is, where that is known. `up` is the unit vector that
+    points upwards; without it, the mean of the cameras' upward directions. `audio` is the scene's sound, on the clock
+    of `times`.
     Equal arguments give equal bytes. The manifest appears last and atomically; chunks of an earlier scene in the same
     folder are removed after that.
 
@@ -120,6 +123,7 @@ def encode_scene(
         thumbnail=thumbnail is not None,
         training=dict(training or {}),
         antialiased=scene.antialiased,
+        start_views=start_views,
         photographed=bool(trained),
         captured_space=find_captured_space(trained, view.center, up) if trained else None,
         metres_per_unit=metres_per_unit,

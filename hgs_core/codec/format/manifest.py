@@ -9,6 +9,7 @@ from typing import Any
 from hgs_core.codec.format.audio import AudioEntry
 from hgs_core.codec.format.captured_space import CapturedSpace
 from hgs_core.codec.format.chunk import VERSIONS, Box
+from hgs_core.codec.format.start_views import StartViews
 from hgs_core.scene.camera import Camera
 
 __all__ = ["FORMAT", "ChunkEntry", "Manifest", "SegmentEntry", "SliceEntry", "Totals"]
@@ -79,6 +80,7 @@ class Manifest:
     thumbnail: bool  # thumbnail.jpg lies beside the manifest
     training: Mapping[str, Any]  # free form
     antialiased: bool = False  # the splats were trained to be drawn so
+    start_views: StartViews | None = None  # first views of viewers; None: the first camera
     photographed: bool = False  # `cameras` took the pictures that made the splats, at these sizes
     captured_space: CapturedSpace | None = None  # viewpoints that can be trusted; None: unknown
     metres_per_unit: float | None = None  # length of a world unit, above 0; None: not known
@@ -147,6 +149,8 @@ class Manifest:
             document["photographed"] = self.photographed
         if self.captured_space is not None:
             document["captured_space"] = self.captured_space.to_json()
+        if self.start_views is not None:
+            document["start_views"] = self.start_views.to_json()
         if self.metres_per_unit is not None:
             document["metres_per_unit"] = self.metres_per_unit
         if self.live is not None:

@@ -10,6 +10,7 @@ from hgs_core.codec.format.captured_space import CapturedSpace
 from hgs_core.codec.format.chunk import MAX_CHUNK_BYTES, MAX_SPLATS, VERSIONS
 from hgs_core.codec.format.json_fields import Field, field_of
 from hgs_core.codec.format.manifest import FORMAT, ChunkEntry, Manifest, SegmentEntry, SliceEntry
+from hgs_core.codec.format.start_views import StartViews
 from hgs_core.scene.camera import Camera
 
 __all__ = ["read_manifest"]
@@ -28,6 +29,7 @@ def read_manifest(value: Any, where: object = "manifest") -> Manifest:
     if version not in VERSIONS:
         known = " or ".join(map(str, VERSIONS))
         raise root["version"].error(f"is {version}, expected {known}", "use a newer version of this program")
+    cameras = tuple(_camera(field) for field in root["cameras"].items())
     manifest = Manifest(
         title=root["title"].text(),
         start=root["start"].number(),
@@ -37,7 +39,7 @@ def read_manifest(value: Any, where: object = "manifest") -> Manifest:
         up=_triple(root["up"].numbers(3)),
         center=_triple(root["center"].numbers(3)),
         extent=root["extent"].number(above=0),
-        cameras=tuple(_camera(field) for field in root["cameras"].items()),
+        cameras=cameras,
         segments=tuple(
             SegmentEntry(field["start"].number(), field["end"].number(low=field["start"].number()))
             for field in root["segments"].items()
@@ -50,6 +52,11 @@ def read_manifest(value: Any, where: object = "manifest") -> Manifest:
         # Earlier manifests lack the field; only photographs give a captured space.
         photographed=(
             root["photographed"].flag() if "photographed" in root.mapping() else "captured_space" in root.mapping()
+        ),
+        start_views=(
+            StartViews.read(root["start_views"], {camera.name for camera in cameras})
+            if "start_views" in root.mapping()
+            else None
         ),
         captured_space=CapturedSpace.read(root["captured_space"]) if "captured_space" in root.mapping() else None,
         metres_per_unit=root["metres_per_unit"].number(above=0) if "metres_per_unit" in root.mapping() else None,

@@ -1,4 +1,4 @@
-"""Scores of larger pictures and nearer eyes, of a scene whose pictures are known."""
+"""Scores of larger pictures and nearer eyes, of a synthetic scene."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def scorer(run: Path, *, photographed: bool = True) -> MagnifiedScorer:
 def test_larger_pictures_are_those_of_the_training_size_where_the_rig_is_known(finished: Path) -> None:
     known, unknown = (scorer(finished, photographed=rig).scores([1], [2, 4]) for rig in (True, False))
     assert set(known) >= {"psnr", "psnr_2x", "agreement_2x", "psnr_4x", "agreement_4x"}
-    assert known["psnr"] == pytest.approx(unknown["psnr"], abs=1e-6)  # at its own size a picture keeps its bits
+    assert known["psnr"] == pytest.approx(unknown["psnr"], abs=1e-6)
     for factor in (2, 4):
         assert known[f"agreement_{factor}x"] > 40
         assert known[f"agreement_{factor}x"] > unknown[f"agreement_{factor}x"]

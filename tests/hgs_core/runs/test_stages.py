@@ -127,6 +127,7 @@ def test_evaluation_has_exactly_its_fields_and_counts_every_byte(finished: Path)
         "psnr_colour_corrected",
         "psnr_lens_corrected",
         "psnr_dynamic_lens_corrected",
+        "magnified",
         "bytes_total",
         "bytes_static",
         "bytes_dynamic",

@@ -11,7 +11,7 @@ import {
   unlimited,
 } from "./captured_space";
 import type { OrbitCamera } from "./orbit";
-import type { Vec3 } from "./vector";
+import { add, cross, dot, normalise, rotateAbout, row, scale, subtract, type Vec3 } from "./vector";
 
 const ROUND = 2 * Math.PI;
 const NUMBERS = ["azimuth", "elevation", "distance"] as const;
@@ -82,6 +82,21 @@ export class LimitedOrbit {
     const factor = to.distance / from.distance;
     this.#azimuth = to.azimuth;
     const still = Math.abs(yaw) + Math.abs(pitch) + Math.abs(factor - 1) < 1e-12;
-    if (!still) this.camera.carry(this.#frame.center, yaw, pitch, factor);
+    if (!still) carry(this.camera, this.#frame.center, yaw, pitch, factor);
   }
+}
+
+/**
+ * Move a camera with its whole view around `center`: by `yaw` about the scene's up vector, by `pitch` towards it, both in
+ * radians; then to `factor` times its distance, without a turn.
+ */
+export function carry(camera: OrbitCamera, center: Vec3, yaw: number, pitch: number, factor: number): void {
+  const { eye, up, pose } = camera;
+  const level = normalise(cross(subtract(eye, center), up), row(pose.rotation, 0));
+  const carried = (v: Vec3): Vec3 => rotateAbout(rotateAbout(v, level, pitch), up, yaw);
+  const offset = carried(subtract(eye, center));
+  const ahead = carried(row(pose.rotation, 2));
+  const distance = Math.max(camera.closest, camera.distance - dot(scale(offset, factor - 1), ahead));
+  const place = add(center, scale(offset, factor));
+  camera.place(place, add(place, scale(ahead, distance)), carried(camera.upwards));
 }

@@ -25,14 +25,14 @@ export function magnification(rig: Rig, pose: Pose, { fx, fy }: Intrinsics): [nu
   const away = rig.map((camera) => length(subtract(eyeOf(camera), eyeOf(pose))) ** 2);
   const farthest = Math.max(...away);
   const apart = rig.map(
-    ({ rotation }, i) => away[i] + farthest * Math.max(0, 1 - dot(row(rotation, 2), row(pose.rotation, 2))),
+    ({ rotation }, i) => away[i] + farthest * Math.max(0, 1 - dot(row(rotation, 2), row(pose.rotation, 2))) + TINY,
   );
   const nearest = Math.min(...apart);
   // World units per pixel at a point: the cameras' depths over their focal lengths, by weights.
   let [weights, shift] = [0, 0];
   let normal: Vec3 = [0, 0, 0];
   rig.forEach(({ rotation, translation, focal }, i) => {
-    const weight = ((nearest + TINY) / (apart[i] + TINY)) ** 2;
+    const weight = (nearest / apart[i]) ** 2;
     weights += weight;
     normal = add(normal, scale(row(rotation, 2), weight / focal));
     shift += (translation[2] * weight) / focal;

@@ -68,6 +68,11 @@ export class OrbitCamera {
     return this.#distance;
   }
 
+  /** The least distance to the target. */
+  get closest(): number {
+    return this.#first * CLOSEST;
+  }
+
   /** The distance to the target relative to the first one, at most 1. */
   get closeness(): number {
     return Math.min(1, this.#distance / this.#first);
@@ -112,7 +117,7 @@ export class OrbitCamera {
   /** Multiply the distance to the target. */
   zoom(factor: number): void {
     const distance = this.#distance * factor;
-    this.#distance = Math.max(this.#first * CLOSEST, Math.min(this.#first * FARTHEST, distance));
+    this.#distance = Math.max(this.closest, Math.min(this.#first * FARTHEST, distance));
   }
 
   /** Turn the camera about itself: positive `yaw` to its left, positive `pitch` upwards. Radians. */
@@ -126,21 +131,6 @@ export class OrbitCamera {
   travel(right: number, up: number, ahead: number): void {
     const aside = add(scale(row(this.#rotation, 0), right), scale(row(this.#rotation, 2), ahead));
     this.#target = add(this.#target, scale(add(aside, scale(this.up, up)), this.#first));
-  }
-
-  /**
-   * Move the camera with its whole view around `center`: by `yaw` about the scene's up vector, by `pitch` towards it,
-   * both in radians; then to `factor` times its distance, without a turn.
-   */
-  carry(center: Vec3, yaw: number, pitch: number, factor: number): void {
-    const level = normalise(cross(subtract(this.eye, center), this.up), row(this.#rotation, 0));
-    const carried = (v: Vec3): Vec3 => rotateAbout(rotateAbout(v, level, pitch), this.up, yaw);
-    const offset = carried(subtract(this.eye, center));
-    const [x, y, z] = ([0, 1, 2] as const).map((i) => carried(row(this.#rotation, i))) as [Vec3, Vec3, Vec3];
-    const away = scale(offset, factor - 1);
-    this.#rotation = fromRows(x, y, z);
-    this.#distance = Math.max(this.#first * CLOSEST, this.#distance - dot(away, z));
-    this.#target = add(add(center, scale(offset, factor)), scale(z, this.#distance));
   }
 
   /** Move camera and target across the picture, so that the target follows a drag of (dx, dy) pixels. */

@@ -3,8 +3,8 @@
  * conversion to WebGL's clip space (y up).
  */
 
-import type { Manifest } from "../codec/types";
-import { add, apply, type Mat3, row, scale, subtract, type Vec3 } from "./vector";
+import type { Manifest, StartView } from "../codec/types";
+import { add, apply, type Mat3, row, scale, type Vec3 } from "./vector";
 
 /** A camera's pose: `rotation` p + `translation` is in camera space; the rotation is world-to-camera, row-major. */
 export interface Pose {
@@ -65,22 +65,36 @@ const LARGEST_CROP = 1.2;
 /**
  * The camera on a canvas of any shape. Around the capture's picture a scene has little but artefacts, so the picture
  * covers an upright canvas: its sides are cut off. Other canvases are covered up to `LARGEST_CROP`, because heads and
- * feet must stay.
+ * feet must stay. A `box` of the picture's plane stays in view, in the middle as far as the picture reaches.
  */
-export function fitted(camera: Intrinsics, width: number, height: number): Intrinsics {
+export function fitted(camera: Intrinsics, width: number, height: number, box?: StartView["box"] | null): Intrinsics {
   const [across, down] = [width / camera.width, height / camera.height];
   const covering = Math.max(across, down);
-  const s = height > width ? covering : Math.min(covering, LARGEST_CROP * Math.min(across, down));
+  const [left, top, right, bottom] = box ?? [camera.width / 2, camera.height / 2, camera.width / 2, camera.height / 2];
+  const s = Math.min(
+    covering,
+    height > width ? covering : LARGEST_CROP * Math.min(across, down),
+    width / (right - left),
+    height / (bottom - top),
+  );
+  /** The principal point on the canvas. */
+  const shifted = (middle: number, low: number, high: number, picture: number, canvas: number) => {
+    const size = canvas / s;
+    const within = between((low + high - size) / 2, Math.min(0, picture - size), Math.max(0, picture - size));
+    return (middle - between(within, high - size, low)) * s;
+  };
   return {
     width,
     height,
     fx: camera.fx * s,
     fy: camera.fy * s,
-    cx: width / 2 + (camera.cx - camera.width / 2) * s,
-    cy: height / 2 + (camera.cy - camera.height / 2) * s,
+    cx: shifted(camera.cx, left, right, camera.width, width),
+    cy: shifted(camera.cy, top, bottom, camera.height, height),
     near: camera.near,
   };
 }
+
+const between = (x: number, low: number, high: number): number => Math.min(Math.max(x, low), high);
 
 /** Clip-space x, y in [-1, 1] of a pixel position. */
 export function pixelToClip(x: number, y: number, size: { width: number; height: number }): [number, number] {
@@ -93,12 +107,6 @@ export function project(point: Vec3, pose: Pose, camera: Intrinsics): Vec3 {
   return [(camera.fx * x) / z + camera.cx, (camera.fy * y) / z + camera.cy, z];
 }
 
-/** The world point at a pixel position and a depth: the inverse of `project`. */
-export function unproject([x, y, depth]: Vec3, pose: Pose, camera: Intrinsics): Vec3 {
-  const ray: Vec3 = [(x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy, 1];
-  return eyeOf({ rotation: pose.rotation, translation: subtract(pose.translation, scale(ray, depth)) });
-}
-
 export interface StartCamera {
   readonly name: string;
   readonly pose: Pose;
@@ -106,16 +114,23 @@ export interface StartCamera {
 }
 
 /**
- * The capture camera of that name, or the first one if `name` is null.
+ * The capture camera of that name, or, if `name` is null, the one to begin with.
  *
  * @throws Error that names the cameras there are if none has that name.
  */
-export function startCamera(manifest: Manifest, name: string | null): StartCamera {
-  const { cameras } = manifest;
-  const found = name === null ? cameras[0] : cameras.find((camera) => camera.name === name);
+export function startCamera(manifest: Manifest, name: string | null, tall = false): StartCamera {
+  const { cameras, startViews } = manifest;
+  const wanted = name ?? startViews[+tall]?.camera ?? cameras[0]?.name;
+  const found = cameras.find((camera) => camera.name === wanted);
   if (!found) {
     const names = cameras.map((camera) => camera.name).join(", ");
     throw new Error(`camera ${name}: the scene has no such camera; there are ${names}`);
   }
   return { name: found.name, pose: poseOf(found.worldToCamera), camera: found };
+}
+
+/** The part of a start's picture to keep in view; null for a camera without one. */
+export function startBox({ startViews }: Manifest, name: string, tall: boolean): StartView["box"] | null {
+  const start = startViews[+tall];
+  return start?.camera === name ? start.box : null;
 }

@@ -9,6 +9,7 @@ import {
   type ManifestCamera,
   type SegmentEntry,
   type SliceEntry,
+  type StartView,
   VERSIONS,
 } from "./types";
 
@@ -137,6 +138,7 @@ export function parseManifest(json: unknown): Manifest {
     live: root.given("live")?.whole(1) ?? null,
     metresPerUnit: root.given("metres_per_unit")?.positive() ?? null,
     audio: root.object().audio,
+    startViews: (root.given("start_views")?.items(2) ?? []).map(readStartView),
     photographed: root.given("photographed")?.flag() ?? root.has("captured_space"),
     capturedSpace: readCapturedSpace(root.given("captured_space")),
   };
@@ -164,6 +166,15 @@ function readCamera(field: Field): ManifestCamera {
       .items(4)
       .map((row) => row.items(4).map((entry) => entry.number())),
   };
+}
+
+function readStartView(field: Field): StartView {
+  const [left, top, right, bottom] = field
+    .get("box")
+    .items(4)
+    .map((entry) => entry.number());
+  if (left >= right || top >= bottom) throw field.get("box").error("ascending corners");
+  return { camera: field.get("camera").text(), box: [left, top, right, bottom] };
 }
 
 function readCapturedSpace(field: Field | undefined): CapturedSpace | null {

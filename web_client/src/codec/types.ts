@@ -74,6 +74,12 @@ export interface ManifestCamera {
   readonly worldToCamera: readonly (readonly number[])[];
 }
 
+/** A camera, by name, and the part of its picture's plane to keep in view: left, top, right, bottom, pixels. */
+export interface StartView {
+  readonly camera: string;
+  readonly box: readonly [number, number, number, number];
+}
+
 /** A chunk as the manifest lists it. */
 export interface ChunkEntry {
   /** SHA-256 of the chunk's bytes, lower-case hex. */
@@ -165,6 +171,8 @@ export interface Manifest {
    * slices.
    */
   readonly room?: { readonly all: Room; readonly most: Room };
+  /** The views to begin with, on wide screens and on upright ones; none if the document does not state them. */
+  readonly startViews: readonly StartView[];
   /** Whether `cameras` took the pictures that made the splats, at these sizes. */
   readonly photographed: boolean;
   /** The region around the cameras of the capture; null if the document does not state it. */

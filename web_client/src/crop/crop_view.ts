@@ -1,6 +1,6 @@
 /** The view of a box: places of the picture, CSS pixels, and points and rays of the world. */
 
-import { fitted, type Intrinsics, type Pose, poseAt, project, startCamera } from "../camera/pinhole";
+import { fitted, type Intrinsics, type Pose, poseAt, project, startBox, startCamera } from "../camera/pinhole";
 import { add, cross, dot, fromRows, normalise, row, scale, subtract, type Vec3 } from "../camera/vector";
 import type { HgsPlayer } from "../player/hgs_player";
 
@@ -20,7 +20,9 @@ export function cropViewOf(player: HgsPlayer, { width, height }: { width: number
   const ahead = normalise(subtract(viewing.target, viewing.position));
   const right = normalise(cross(ahead, viewing.up));
   const pose = poseAt(viewing.position, fromRows(right, cross(ahead, right), ahead));
-  return { pose, camera: fitted(startCamera(manifest, camera.name).camera, width, height), eye: viewing.position };
+  const start = startCamera(manifest, camera.name);
+  const box = startBox(manifest, start.name, height > width);
+  return { pose, camera: fitted(start.camera, width, height, box), eye: viewing.position };
 }
 
 /** The place of a point; null if it is behind the eye. */

@@ -7,15 +7,17 @@
 const PLACES = 14;
 
 /** Readiness of a player to return its context: the higher, the sooner. */
-export enum Readiness {
+export const Readiness = {
   /** Visible without a picture, or with a pending request for one. */
-  Never,
-  Playing,
-  Standing,
+  Never: 0,
+  Playing: 1,
+  Standing: 2,
   /** Out of sight without a picture: it needs the context again. */
-  Loading,
-  OutOfSight,
-}
+  Loading: 3,
+  OutOfSight: 4,
+} as const;
+
+export type Readiness = (typeof Readiness)[keyof typeof Readiness];
 
 export interface Tenant {
   readonly seen: boolean;

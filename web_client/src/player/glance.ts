@@ -1,7 +1,7 @@
 /** A turn of the view to the surface at a pixel; loaded at the first one. */
 
 import type { OrbitCamera } from "../camera/orbit";
-import { type Intrinsics, type Pose, unproject } from "../camera/pinhole";
+import { eyeOf, type Intrinsics, type Pose } from "../camera/pinhole";
 import { add, cross, length, normalise, scale, subtract, type Vec3 } from "../camera/vector";
 import type { CanvasRenderer } from "../renderer/canvas_renderer";
 import { canDraw, PictureTarget } from "../renderer/picture_target";
@@ -40,8 +40,8 @@ export function depthAt(renderer: CanvasRenderer, shot: Shot, x: number, y: numb
 }
 
 /**
- * The steps of a turn to what is at a pixel and a depth: each takes the seconds since the last one, and returns whether
- * there are more. Null where the view would look straight up or down.
+ * A step of a turn to a pixel at a depth; null if the view would look straight up or down. It takes the seconds since the
+ * last one, and returns false after the end.
  */
 export function glance(
   orbit: OrbitCamera,
@@ -61,3 +61,9 @@ export function glance(
 }
 
 const between = (a: Vec3, b: Vec3, share: number): Vec3 => add(scale(a, 1 - share), scale(b, share));
+
+/** The world point at a pixel position and a depth: the inverse of `project`. */
+export function unproject([x, y, depth]: Vec3, pose: Pose, camera: Intrinsics): Vec3 {
+  const ray: Vec3 = [(x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy, 1];
+  return eyeOf({ rotation: pose.rotation, translation: subtract(pose.translation, scale(ray, depth)) });
+}

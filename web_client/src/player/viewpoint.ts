@@ -4,7 +4,7 @@ import type { CameraMotion } from "../camera/gestures";
 import type { LimitedOrbit } from "../camera/limited_orbit";
 import { MotionLoop } from "../camera/motion_loop";
 import { OrbitCamera } from "../camera/orbit";
-import { fitted, type Intrinsics, resized, type StartCamera, startCamera } from "../camera/pinhole";
+import { fitted, type Intrinsics, resized, type StartCamera, startBox, startCamera } from "../camera/pinhole";
 import type { Vec3 } from "../camera/vector";
 import type { Manifest } from "../codec/types";
 import type { View } from "../scene/view";
@@ -93,7 +93,7 @@ export class Viewpoint implements CameraMotion {
   /** Look from a capture camera. */
   look(name: string | null): void {
     if (!this.#manifest) return;
-    this.#start = startCamera(this.#manifest, name);
+    this.#start = startCamera(this.#manifest, name, this.#height > this.#width);
     const { center, up } = this.#manifest;
     this.#motion.stop();
     this.#orbit = new OrbitCamera(this.#start.pose, center, up);
@@ -103,7 +103,7 @@ export class Viewpoint implements CameraMotion {
 
   view(): View | null {
     if (!this.#start || !this.#orbit) return null;
-    const camera = this.#intrinsics(this.#start.camera);
+    const camera = this.#intrinsics(this.#start);
     if (this.options.exact) return { pose: this.#start.pose, camera };
     // The near plane moves along: otherwise zooming in would cut a hole into the target.
     return { pose: this.#orbit.pose, camera: { ...camera, near: camera.near * this.#orbit.closeness } };
@@ -132,7 +132,7 @@ export class Viewpoint implements CameraMotion {
 
   pan(dx: number, dy: number): void {
     if (!this.#start) return;
-    const focal = this.#intrinsics(this.#start.camera).fx / this.#pixelsPerCssPixel;
+    const focal = this.#intrinsics(this.#start).fx / this.#pixelsPerCssPixel;
     this.#move((orbit) => orbit.pan(dx, dy, focal));
   }
 
@@ -211,10 +211,10 @@ export class Viewpoint implements CameraMotion {
     });
   }
 
-  #intrinsics(camera: Intrinsics): Intrinsics {
-    const size = this.options.exact ? resized : fitted;
-    if (this.options.exact && !this.options.size) return camera;
-    return size(camera, this.#width, this.#height);
+  #intrinsics({ camera, name }: StartCamera): Intrinsics {
+    const [width, height] = [this.#width, this.#height];
+    if (!this.options.exact) return fitted(camera, width, height, startBox(this.#manifest!, name, height > width));
+    return this.options.size ? resized(camera, width, height) : camera;
   }
 }
 

@@ -22,7 +22,7 @@ export interface Shot {
    * head moves. Scenes trained without it look fainter with it.
    */
   readonly antialiased: boolean;
-  /** The cameras whose pictures limit the sharpness of larger ones. */
+  /** The cameras of the pictures that made the scene: a larger picture is as soft as theirs. */
   readonly rig: Rig;
   /** Undefined for no fading: the picture of docs/numerics.md. */
   readonly closeUp?: CloseUp;

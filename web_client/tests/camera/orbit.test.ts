@@ -1,4 +1,5 @@
 import { describe, expect, it } from "vitest";
+import { carry } from "../../src/camera/limited_orbit";
 import { OrbitCamera } from "../../src/camera/orbit";
 import { eyeOf, poseAt, project } from "../../src/camera/pinhole";
 import { cross, dot, length, row, type Vec3 } from "../../src/camera/vector";
@@ -122,12 +123,12 @@ describe("a camera that is placed", () => {
     const camera = orbit();
     camera.travel(0.1, 0, 0); // looks past the centre
     const before = project([0, 0, 0], camera.pose, LENS);
-    camera.carry([0, 0, 0], 0.4, 0.3, 1);
+    carry(camera, [0, 0, 0], 0.4, 0.3, 1);
     project([0, 0, 0], camera.pose, LENS).forEach((value, i) => {
       expect(value).toBeCloseTo(before[i]);
     });
     expect(dot(camera.eye, UP)).toBeCloseTo(Math.hypot(4, 0.4) * Math.sin(0.3));
-    camera.carry([0, 0, 0], 0, 0, 2);
+    carry(camera, [0, 0, 0], 0, 0, 2);
     expect(length(camera.eye)).toBeCloseTo(2 * Math.hypot(4, 0.4));
   });
 });

@@ -7,11 +7,12 @@ import {
   poseOf,
   project,
   resized,
+  startBox,
   startCamera,
-  unproject,
 } from "../../src/camera/pinhole";
 import { apply, type Vec3 } from "../../src/camera/vector";
 import type { ManifestCamera } from "../../src/codec/types";
+import { unproject } from "../../src/player/glance";
 import { manifest } from "../scene";
 
 const CAMERA = { width: 640, height: 360, fx: 500, fy: 510, cx: 330, cy: 170, near: 0.2 };
@@ -154,4 +155,46 @@ it("takes the named camera, else the first", () => {
 
 it("names the cameras there are", () => {
   expect(() => startCamera(scene, "c")).toThrow("camera c: the scene has no such camera; there are a, b");
+});
+
+describe("the views to begin with", () => {
+  const box = [100, 50, 300, 350] as const;
+  const started = manifest({
+    cameras: scene.cameras,
+    startViews: [
+      { camera: "b", box },
+      { camera: "a", box },
+    ],
+  });
+
+  it("depend on the canvas's shape, and a name overrules them", () => {
+    expect(startCamera(started, null).name).toBe("b");
+    expect(startCamera(started, null, true).name).toBe("a");
+    expect(startCamera(started, "a").name).toBe("a");
+  });
+
+  it("have a box for their own camera alone", () => {
+    expect(startBox(started, "b", false)).toEqual(box);
+    expect(startBox(started, "b", true)).toBeNull();
+    expect(startBox(scene, "a", false)).toBeNull();
+  });
+
+  it.each([
+    [390, 844],
+    [1280, 800],
+    [3000, 400],
+  ])("keep the box in a canvas of %i x %i", (width, height) => {
+    for (const [left, top, right, bottom] of [box, [-50, 20, 200, 600], [500, 100, 700, 200]] as const) {
+      const view = fitted(CAMERA, width, height, [left, top, right, bottom]);
+      const x = (u: number) => view.cx + (u - CAMERA.cx) * (view.fx / CAMERA.fx);
+      const y = (v: number) => view.cy + (v - CAMERA.cy) * (view.fy / CAMERA.fy);
+      for (const u of [left, right]) expect(Math.abs(x(u) - width / 2)).toBeLessThan(width / 2 + 1e-6);
+      for (const v of [top, bottom]) expect(Math.abs(y(v) - height / 2)).toBeLessThan(height / 2 + 1e-6);
+    }
+  });
+
+  it("show nothing beside the picture if the box leaves room", () => {
+    const view = fitted(CAMERA, 390, 844, [0, 100, 150, 200]);
+    expect(view.cx).toBeCloseTo(CAMERA.cx * (view.fx / CAMERA.fx)); // the picture's left edge is the canvas's
+  });
 });

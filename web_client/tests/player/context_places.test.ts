@@ -9,7 +9,7 @@ class Player implements Tenant {
   given = 0;
 
   constructor(
-    public readiness: number,
+    public readiness: Tenant["readiness"],
     public seen = true,
   ) {}
 
@@ -23,7 +23,7 @@ class Player implements Tenant {
   }
 }
 
-const some = (count: number, readiness: number, seen = true) =>
+const some = (count: number, readiness: Tenant["readiness"], seen = true) =>
   Array.from({ length: count }, () => new Player(readiness, seen));
 const having = (players: readonly Player[]) => players.flatMap(({ has }, i) => (has ? [i] : []));
 const claim = (players: readonly Player[]) => {

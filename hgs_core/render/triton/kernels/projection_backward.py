@@ -89,7 +89,7 @@ def shape_gradient(
     jx, jy = fx / z, fy / z
     x0, x1, x2, y0, y1, y2, z0, z1, z2 = screen_axes(camera, uc, vc, jx, jy, w, x, y, zq)
     v0, v1, v2 = tl.exp(2.0 * s0), tl.exp(2.0 * s1), tl.exp(2.0 * s2)
-    low_pass = low_pass_at(camera, u, v, z)  # without a gradient
+    low_pass = low_pass_at(camera, u, v, z)
     c0, c1, c2, area, cov_xx, cov_xy, cov_yy, det = covariance(v0, v1, v2, x0, x1, x2, y0, y1, y2, low_pass)
 
     # U = [t_by_x, t_by_y; 0, e_by_y], and U e_j expanded in the cross products.
