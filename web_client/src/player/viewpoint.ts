@@ -22,6 +22,16 @@ export interface ViewpointOptions {
 
 /** How long the camera takes to look at another point, seconds. */
 const GLANCE = 0.3;
+/**
+ * What is nearer than this share of the distance to what the camera turns about fades towards the near plane: else a way
+ * around one person leads through the back of another.
+ */
+const CLEAR = 0.15;
+/**
+ * And what is nearer than so many near planes. Training puts those at 0.6 of the way to the nearest that a camera sees, so
+ * that nothing fades in that camera's own picture.
+ */
+const CLEAR_NEARS = 1.5;
 /** Sine of the angle to the up vector from which on there is no horizon to look along. */
 const STEEP = 0.02;
 
@@ -108,7 +118,9 @@ export class Viewpoint implements CameraMotion {
     const camera = this.#intrinsics(this.#start.camera);
     if (this.options.exact) return { pose: this.#start.pose, camera };
     // The near plane comes along, else zooming in would cut a hole into what one looks at.
-    return { pose: this.#orbit.pose, camera: { ...camera, near: camera.near * this.#orbit.closeness } };
+    const { pose, closeness, distance } = this.#orbit;
+    const near = camera.near * closeness;
+    return { pose, camera: { ...camera, near }, clear: Math.max(CLEAR * distance, CLEAR_NEARS * near) };
   }
 
   /** Null until the scene is known. */

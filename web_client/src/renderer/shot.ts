@@ -3,15 +3,16 @@
 import type { Rig } from "../camera/magnification";
 import type { Intrinsics, Pose } from "../camera/pinhole";
 
-/** What becomes of splats that an eye comes close to; for eyes that go anywhere, such as in a headset. */
+/** What becomes of splats that an eye comes close to; for eyes that go anywhere: moved by a visitor, or in a headset. */
 export interface CloseUp {
-  /** Depth from which on splats are drawn in full, world units; towards the near plane they fade. */
-  readonly clear: number;
-  /** Standard deviation, pixels, from which on a splat fades; one twice as wide is not drawn. */
-  readonly widest: number;
+  /** Depth from which on splats are drawn in full, world units; towards the near plane they fade. Left out, none does. */
+  readonly clear?: number;
+  /** Standard deviation, pixels, from which on a splat fades; one twice as wide is not drawn. Left out, none is too wide. */
+  readonly widest?: number;
 }
 
-export interface Shot {
+/** With nothing of `CloseUp` it is the picture of docs/numerics.md. */
+export interface Shot extends CloseUp {
   readonly pose: Pose;
   readonly camera: Intrinsics;
   /** Normalised time of the segment whose dynamics the order names. */
@@ -24,8 +25,6 @@ export interface Shot {
   readonly antialiased: boolean;
   /** Where this picture is larger than theirs, splats are as soft as in theirs. */
   readonly rig: Rig;
-  /** Left out, nothing fades: the picture of docs/numerics.md. */
-  readonly closeUp?: CloseUp;
 }
 
 /** Rows from the top, RGBA; bytes from the canvas, floats (linear in the same units, 0 to 1) from the float target. */

@@ -1,8 +1,9 @@
 /** From where a scene is seen: a pose and intrinsics in pixels of the canvas's backing store. */
 
 import type { Intrinsics, Pose } from "../camera/pinhole";
+import type { CloseUp } from "../renderer/shot";
 
-export interface View {
+export interface View extends CloseUp {
   readonly pose: Pose;
   readonly camera: Intrinsics;
 }
@@ -20,7 +21,10 @@ export function sameView(a: View | null, b: View): boolean {
     p.cx === q.cx &&
     p.cy === q.cy &&
     p.near === q.near &&
-    a.pose.rotation.every((value, i) => value === b.pose.rotation[i]) &&
-    a.pose.translation.every((value, i) => value === b.pose.translation[i])
+    a.clear === b.clear &&
+    equal(a.pose.rotation, b.pose.rotation) &&
+    equal(a.pose.translation, b.pose.translation)
   );
 }
+
+const equal = (a: readonly number[], b: readonly number[]): boolean => a.every((value, i) => value === b[i]);

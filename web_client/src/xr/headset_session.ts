@@ -156,11 +156,7 @@ export class HeadsetSession {
 
   /** As an eye sees it, which may be anywhere, and never rests. */
   #shot(shot: Shot): Shot {
-    return {
-      ...shot,
-      antialiased: true,
-      closeUp: { clear: CLEAR * this.#sceneFromRoom.scale, widest: shot.camera.width },
-    };
+    return { ...shot, antialiased: true, clear: CLEAR * this.#sceneFromRoom.scale, widest: shot.camera.width };
   }
 
   #commands(): Commands {
