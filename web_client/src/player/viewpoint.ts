@@ -19,6 +19,14 @@ export interface ViewpointOptions {
   readonly size: { readonly width: number; readonly height: number } | null;
 }
 
+/** Share of the distance to the target below which splats fade: a way around one person may lead through another. */
+const CLEAR = 0.15;
+/**
+ * Multiple of the near plane below which splats fade. Training places near planes at 0.6 of the smallest depth in a
+ * camera's picture, so nothing fades in that picture.
+ */
+const CLEAR_NEARS = 1.5;
+
 /** The owner of a viewpoint. */
 export interface ViewpointEvents {
   /** Called after every change of the view. */
@@ -106,7 +114,9 @@ export class Viewpoint implements CameraMotion {
     const camera = this.#intrinsics(this.#start);
     if (this.options.exact) return { pose: this.#start.pose, camera };
     // The near plane moves along: otherwise zooming in would cut a hole into the target.
-    return { pose: this.#orbit.pose, camera: { ...camera, near: camera.near * this.#orbit.closeness } };
+    const { pose, closeness, distance } = this.#orbit;
+    const near = camera.near * closeness;
+    return { pose, camera: { ...camera, near }, clear: Math.max(CLEAR * distance, CLEAR_NEARS * near) };
   }
 
   /** The viewing; null until the manifest has arrived. */

@@ -3,15 +3,16 @@
 import type { Rig } from "../camera/magnification";
 import type { Intrinsics, Pose } from "../camera/pinhole";
 
-/** The fading of splats close to an eye; for eyes at any place, such as in a headset. */
+/** The fading of splats close to an eye; for eyes at any place: moved by a visitor, or in a headset. */
 export interface CloseUp {
-  /** Smallest depth without fading, world units; splats fade towards the near plane. */
-  readonly clear: number;
-  /** Largest standard deviation without fading, pixels; splats of twice that are not drawn. */
-  readonly widest: number;
+  /** Smallest depth without fading, world units; splats fade towards the near plane. Undefined: 0. */
+  readonly clear?: number;
+  /** Largest standard deviation without fading, pixels; splats of twice that are not drawn. Undefined: unlimited. */
+  readonly widest?: number;
 }
 
-export interface Shot {
+/** A picture, that of docs/numerics.md unless something fades. */
+export interface Shot extends CloseUp {
   readonly pose: Pose;
   readonly camera: Intrinsics;
   /** Normalised time in the segment of the order's dynamics. */
@@ -24,8 +25,6 @@ export interface Shot {
   readonly antialiased: boolean;
   /** The cameras of the pictures that made the scene: a larger picture is as soft as theirs. */
   readonly rig: Rig;
-  /** Undefined for no fading: the picture of docs/numerics.md. */
-  readonly closeUp?: CloseUp;
 }
 
 /**

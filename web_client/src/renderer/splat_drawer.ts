@@ -145,7 +145,7 @@ export class SplatDrawer implements SplatSink {
    * a splat's colour is the depth of its centre.
    */
   draw(
-    { pose, camera, time, antialiased, rig, closeUp }: Shot,
+    { pose, camera, time, antialiased, rig, clear = 0, widest = LARGEST }: Shot,
     origin: readonly [number, number] = [0, 0],
     paint: "colour" | "depth" = "colour",
   ): void {
@@ -180,7 +180,7 @@ export class SplatDrawer implements SplatSink {
     gl.uniform1f(u.near, camera.near);
     gl.uniform1i(u.antialiased, antialiased ? 1 : 0);
     gl.uniform4f(u.magnification, ...magnification(rig, pose, camera));
-    gl.uniform2f(u.closeUp, closeUp?.clear ?? 0, closeUp?.widest ?? LARGEST);
+    gl.uniform2f(u.closeUp, clear, widest);
     gl.uniform1i(u.depths, paint === "depth" ? 1 : 0);
     this.surroundings?.prepare(gl);
     const instances = Math.ceil(this.#count / TRIANGLES_PER_INSTANCE);

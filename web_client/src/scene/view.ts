@@ -2,10 +2,11 @@
 
 import { eyeOf, type Intrinsics, type Pose } from "../camera/pinhole";
 import { add, length, scale, subtract } from "../camera/vector";
+import type { CloseUp } from "../renderer/shot";
 import { type SplatDepth, sameDepth } from "../worker/depth";
 import { type Frustum, frustumOf, sameFrustum } from "../worker/frustum";
 
-export interface View {
+export interface View extends CloseUp {
   readonly pose: Pose;
   readonly camera: Intrinsics;
 }
@@ -23,8 +24,9 @@ export function sameView(a: View | null, b: View): boolean {
     p.cx === q.cx &&
     p.cy === q.cy &&
     p.near === q.near &&
-    a.pose.rotation.every((value, i) => value === b.pose.rotation[i]) &&
-    a.pose.translation.every((value, i) => value === b.pose.translation[i])
+    a.clear === b.clear &&
+    equal(a.pose.rotation, b.pose.rotation) &&
+    equal(a.pose.translation, b.pose.translation)
   );
 }
 
@@ -67,3 +69,5 @@ function distance(views: readonly View[]): SplatDepth {
   const near = Math.max(0, Math.min(...views.map((view) => view.camera.near)) - apart);
   return { kind: "radial", x: middle[0], y: middle[1], z: middle[2], near };
 }
+
+const equal = (a: readonly number[], b: readonly number[]): boolean => a.every((value, i) => value === b[i]);

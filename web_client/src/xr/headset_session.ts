@@ -155,11 +155,7 @@ export class HeadsetSession {
 
   /** The shot for an eye, which may be at any place, and never rests. */
   #shot(shot: Shot): Shot {
-    return {
-      ...shot,
-      antialiased: true,
-      closeUp: { clear: CLEAR * this.#sceneFromRoom.scale, widest: shot.camera.width },
-    };
+    return { ...shot, antialiased: true, clear: CLEAR * this.#sceneFromRoom.scale, widest: shot.camera.width };
   }
 
   #commands(): Commands {

@@ -25,4 +25,17 @@ describe("CanvasRenderer", () => {
     expect(told[0]).toBe("magnification");
     expect(told[3]).toBeCloseTo(2, 2);
   });
+
+  it.each([
+    [{ clear: 2, widest: 3 }, 2, 3],
+    [{}, 0, 1e9],
+  ])("tells the shader what fades before the eye: %o", (closeUp, clear, widest) => {
+    const uniform2f = vi.fn();
+    const renderer = new CanvasRenderer(fakeCanvas({ uniform2f }), () => {});
+    renderer.splats.setOrder(new Uint32Array(2048), 1);
+    const pose = { rotation: [1, 0, 0, 0, 1, 0, 0, 0, 1], translation: [0, 0, 0] } as const;
+    const camera = { width: 4, height: 4, fx: 4, fy: 4, cx: 2, cy: 2, near: 0.1 };
+    renderer.draw({ pose, camera, time: 0, antialiased: true, rig: [], ...closeUp }, 0);
+    expect(uniform2f).toHaveBeenCalledWith("closeUp", clear, widest);
+  });
 });

@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import { poseAt, project } from "../../src/camera/pinhole";
 import { apply, fromRows, type Mat3, rotateAbout, type Vec3 } from "../../src/camera/vector";
-import { sightOf, type View } from "../../src/scene/view";
+import { sameView, sightOf, type View } from "../../src/scene/view";
 
 const HEAD: Vec3 = [0.3, -1.6, 2.5];
 const camera = { width: 100, height: 100, fx: 50, fy: 50, cx: 50, cy: 50, near: 0.05 };
@@ -51,5 +51,22 @@ describe("sightOf", () => {
 
   it("leaves out nothing that either eye could see", () => {
     expect(sightOf(eyes(1)).depth.near).toBeCloseTo(0.05 - 0.032, 6);
+  });
+});
+
+describe("sameView", () => {
+  const view: View = {
+    pose: { rotation: [1, 0, 0, 0, 1, 0, 0, 0, 1], translation: [0, 0, 0] },
+    camera: { width: 8, height: 8, fx: 8, fy: 8, cx: 4, cy: 4, near: 0.01 },
+    clear: 1,
+  };
+
+  it("is true of a copy", () => {
+    expect(sameView(view, structuredClone(view))).toBe(true);
+  });
+
+  it("is false where other things fade, and from another place", () => {
+    expect(sameView(view, { ...view, clear: 2 })).toBe(false);
+    expect(sameView(view, { ...view, pose: { ...view.pose, translation: [0, 0, 1] } })).toBe(false);
   });
 });
