@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
+from torch import Tensor
 
 from hgs_core.base.arrays import Doubles
 from hgs_core.codec.format.start_views import StartView, StartViews
 from hgs_core.render.contributions import contributions
 from hgs_core.render.moment import moment_of_dynamic
+from hgs_core.render.rasterize import rasterize
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import HybridScene
 
@@ -24,6 +27,10 @@ SIDE = 160  # pixels; longer side of the pictures that weigh movers
 WIDE, TALL = 16 / 10, 390 / 844  # width over height of a desktop's window and of a phone held upright
 LEFT_OUT = 0.01  # weight of movers beyond each side of a box
 MARGIN = 0.04  # room around the movers, in parts of the box
+SLIGHT = 0.02  # share of a screen
+
+Box = tuple[float, float, float, float]
+"""Left, top, right and bottom, pixels."""
 
 
 @dataclass(frozen=True)
@@ -35,8 +42,9 @@ class _Movers:
 def find_start_views(scene: HybridScene[NDArray[np.float32]], cameras: Sequence[Camera]) -> StartViews | None:
     """Return the views that show all movers, and show them large; None where nothing moves in the first seconds.
 
-    A box holds all movers but those that hardly show. The views with the least around the camera's own picture win,
-    then the largest movers in the middle, then cameras in the middle of the rig.
+    A box holds all movers but those that hardly show. Where it does not fit into the picture of a camera, it also holds
+    what the scene shows beside the picture. The views with the least beside the picture and with the least background
+    win, then the largest movers in the middle, then cameras in the middle of the rig.
     """
     movers = _movers(scene, cameras)
     if movers is None:
@@ -47,15 +55,15 @@ def find_start_views(scene: HybridScene[NDArray[np.float32]], cameras: Sequence[
     found = {camera.name: box for camera in cameras if (box := _box(camera, movers)) is not None}
     if not found:
         return None
+    tensors = scene.map(torch.from_numpy)
 
     def best(aspect: float) -> StartView:
-        costs = {
-            camera.name: _cost(camera, found[camera.name], aspect) + 0.1 * off_centre[i]
-            for i, camera in enumerate(cameras)
-            if camera.name in found
-        }
-        name = min(costs, key=lambda name: costs[name])
-        return StartView(name, found[name])
+        costs = {}
+        for i, camera in enumerate(cameras):
+            if camera.name in found:
+                cost, box = _framed(tensors, camera, found[camera.name], aspect)
+                costs[cost + 0.1 * off_centre[i]] = StartView(camera.name, box)
+        return costs[min(costs)]
 
     return StartViews(best(WIDE), best(TALL))
 
@@ -85,7 +93,7 @@ def _movers(scene: HybridScene[NDArray[np.float32]], cameras: Sequence[Camera]) 
     return _Movers(np.concatenate(points), joined / joined.sum())
 
 
-def _box(camera: Camera, movers: _Movers) -> tuple[float, float, float, float] | None:
+def _box(camera: Camera, movers: _Movers) -> Box | None:
     """Return the box of the movers in the plane of a picture, pixels; None with some of them behind the camera."""
     pixels, depths = camera.project(movers.points)
     before = depths > camera.near
@@ -105,23 +113,57 @@ def _middle(values: Doubles, weights: Doubles) -> tuple[float, float]:
     return float(values[order[min(low, last)]]), float(values[order[min(high, last)]])
 
 
-def _cost(camera: Camera, box: tuple[float, float, float, float], aspect: float) -> float:
-    """Return how poorly a screen of an aspect shows the box: nothing for one that fills it inside the picture."""
+def _framed(scene: HybridScene[Tensor], camera: Camera, box: Box, aspect: float) -> tuple[float, Box]:
+    """Return how poorly a screen of an aspect shows a box, and the box to keep in view there.
+
+    The cost is 0 for a box that fills a screen inside the picture. The share of the screen beside the picture counts
+    half where the scene covers it, and wholly where the background shows.
+    """
     left, top, right, bottom = box
-    # The largest part of the picture of that aspect, or what holds the box.
+    # The largest part of the picture of that aspect, or the smallest part of its plane that holds the box.
     height = max(min(camera.height, camera.width / aspect), bottom - top, (right - left) / aspect)
     width = height * aspect
-    x, y = _place(left, right, width, camera.width), _place(top, bottom, height, camera.height)
-    across = max(0.0, min(camera.width, x + width) - max(0.0, x))
-    down = max(0.0, min(camera.height, y + height) - max(0.0, y))
-    uncovered = 1 - across * down / (width * height)
+    shown = []
+    for x in _places(left, right, width, camera.width):
+        for y in _places(top, bottom, height, camera.height):
+            across = max(0.0, min(camera.width, x + width) - max(0.0, x))
+            down = max(0.0, min(camera.height, y + height) - max(0.0, y))
+            beside = 1 - across * down / (width * height)
+            missing = 0.0 if beside < SLIGHT else 1 - _covered(scene, camera, (x, y, width, height))
+            shown.append((beside / 2 + missing, x, y))
+    cost, x, y = min(shown)
     small = 1 - max((right - left) / width, (bottom - top) / height)
     aside = abs((left + right) / 2 - (x + width / 2)) / width
-    return uncovered + 0.3 * small + 0.3 * aside
+    whole = (x, y, x + width, y + height) if cost > SLIGHT else box
+    return cost + 0.3 * small + 0.3 * aside, whole
 
 
-def _place(low: float, high: float, size: float, picture: float) -> float:
-    """Return the start of a window of a size: with the box in its middle, moved into the picture as far as possible."""
-    start = (low + high - size) / 2
-    start = min(max(start, min(0.0, picture - size)), max(0.0, picture - size))
-    return min(max(start, high - size), low)
+def _places(low: float, high: float, size: float, picture: float) -> list[float]:
+    """Return the starts of a window that holds a stretch: a single one inside the picture, or several beyond it."""
+    middle = (low + high - size) / 2
+    if size <= picture:
+        middle = min(max(middle, 0.0), picture - size)
+        return [min(max(middle, high - size), low)]
+    first, last = max(high - size, min(low, picture - size)), min(low, max(high - size, 0.0))
+    return [first, min(max(middle, first), last), last]
+
+
+def _covered(scene: HybridScene[Tensor], camera: Camera, window: Box) -> float:
+    """Return the mean alpha of a window (left, top, width, height) in the plane of a picture, at the scene's start."""
+    x, y, width, height = window
+    scale = SIDE / max(width, height)
+    part = dataclasses.replace(
+        camera,
+        width=max(1, round(width * scale)),
+        height=max(1, round(height * scale)),
+        fx=camera.fx * scale,
+        fy=camera.fy * scale,
+        cx=(camera.cx - x) * scale,
+        cy=(camera.cy - y) * scale,
+    )
+    segment = scene.segments[0]
+    moment = segment.normalised(scene.start)
+    render = rasterize(
+        scene.static, segment.dynamic, part, moment, gradients="none", antialiased=scene.antialiased, rig=(camera,)
+    )
+    return float(render.alpha.mean())
