@@ -1,4 +1,4 @@
-"""The limits of azimuth, elevation and distance to the part of a scene seen by cameras (docs/format.md, "Seen limits")."""
+"""The limits of azimuth, elevation and distance to the views that cameras saw (docs/format.md, "Seen limits")."""
 
 from __future__ import annotations
 
