@@ -6,6 +6,7 @@
  */
 
 import type { CapturedSpace } from "../codec/types";
+import { azimuths, distances, elevations, type Range, type SeenLimits } from "./seen_limits";
 import { add, cross, dot, length, rotateAbout, scale, subtract, type Vec3 } from "./vector";
 
 /** Where an eye is around the point that it looks at. */
@@ -17,6 +18,9 @@ export interface OrbitPose {
   /** World units, above 0. */
   readonly distance: number;
 }
+
+/** A captured space, with narrower limits where what was seen is known. */
+export type Space = CapturedSpace & { readonly limits?: SeenLimits | null };
 
 /** What the angles of an orbit pose are counted from. */
 export interface OrbitFrame {
@@ -55,13 +59,12 @@ export function eyeAt(pose: OrbitPose, { center, up, front }: OrbitFrame): Vec3 
 }
 
 /** Whether the scene can be looked at with trust from there. */
-export function isInside(pose: OrbitPose, space: CapturedSpace | null): boolean {
-  if (!space) return true;
-  const { azimuth, elevation, distance } = space;
+export function isInside({ azimuth, elevation, distance }: OrbitPose, space: Space | null): boolean {
   return (
-    (azimuth === null || Math.abs(pose.azimuth) <= azimuth) &&
-    within(pose.elevation, elevation) &&
-    within(pose.distance, distance)
+    !space ||
+    (within(azimuth, azimuths(space)) &&
+      within(elevation, elevations(space, azimuth)) &&
+      within(distance, distances(space, azimuth, elevation)))
   );
 }
 
@@ -72,22 +75,25 @@ export function isInside(pose: OrbitPose, space: CapturedSpace | null): boolean 
  * Keep the asked pose while a drag lasts and show this one: limiting what is shown already would pull twice. A drag that
  * begins while the camera springs back begins at `unlimited` of what is shown, so that the picture does not jump.
  */
-export function limited(asked: OrbitPose, space: CapturedSpace | null): OrbitPose {
+export function limited(asked: OrbitPose, space: Space | null): OrbitPose {
   return space ? mapped(asked, space, stretched) : asked;
 }
 
 /** The pose that `limited` shows as `shown`: its inverse, up to what the rubber band gives. */
-export function unlimited(shown: OrbitPose, space: CapturedSpace | null): OrbitPose {
+export function unlimited(shown: OrbitPose, space: Space | null): OrbitPose {
   return space ? mapped(shown, space, unstretched) : shown;
 }
 
-/** The pose inside that is nearest to `pose` in each of its numbers: where a camera that is let go comes to rest. */
-export function nearestInside(pose: OrbitPose, space: CapturedSpace | null): OrbitPose {
+/**
+ * The pose inside that is nearest to `pose` in its azimuth, then in its elevation, then in its distance: where a camera that
+ * is let go comes to rest.
+ */
+export function nearestInside(pose: OrbitPose, space: Space | null): OrbitPose {
   return space ? mapped(pose, space, () => 0) : pose;
 }
 
 /** Where a camera that was let go at `shown` is `seconds` later: on its way to `nearestInside`, exactly there in the end. */
-export function springBack(shown: OrbitPose, space: CapturedSpace | null, seconds: number): OrbitPose {
+export function springBack(shown: OrbitPose, space: Space | null, seconds: number): OrbitPose {
   const left = Math.exp(-seconds / SPRING);
   return space ? mapped(shown, space, (beyond, give) => (beyond > ARRIVED * give ? beyond * left : 0)) : shown;
 }
@@ -104,27 +110,35 @@ const unstretched: Beyond = (beyond, give) => {
   return (share / (1 - share)) * give;
 };
 
-function mapped(pose: OrbitPose, space: CapturedSpace, map: Beyond): OrbitPose {
-  const { azimuth, elevation, distance } = space;
+/** Where a pose is beyond, its limits are those of the border beside it: the same for what `limited` makes of it. */
+function mapped({ azimuth, elevation, distance }: OrbitPose, space: Space, map: Beyond): OrbitPose {
+  const across = azimuths(space);
+  const beside = moved(azimuth, across, () => 0);
+  const upward = elevations(space, beside);
+  const outward = distances(
+    space,
+    beside,
+    moved(elevation, upward, () => 0),
+  );
   return {
-    azimuth: azimuth === null ? pose.azimuth : moved(pose.azimuth, [-azimuth, azimuth], map),
-    elevation: moved(pose.elevation, elevation, map),
-    distance: zoomed(pose.distance, distance, map),
+    azimuth: moved(azimuth, across, map),
+    elevation: moved(elevation, upward, map),
+    distance: zoomed(distance, outward, map),
   };
 }
 
-function zoomed(value: number, [nearest, farthest]: readonly [number, number], map: Beyond): number {
+function zoomed(value: number, [nearest, farthest]: Range, map: Beyond): number {
   if (value > farthest) return farthest * Math.exp(map(Math.log(value / farthest), GIVE.distance));
   if (value < nearest) return nearest / Math.exp(map(Math.log(nearest / value), GIVE.distance));
   return value;
 }
 
-function moved(value: number, [low, high]: readonly [number, number], map: Beyond): number {
+function moved(value: number, [low, high]: Range, map: Beyond): number {
   if (value > high) return high + map(value - high, GIVE.angle);
   if (value < low) return low - map(low - value, GIVE.angle);
   return value;
 }
 
-function within(value: number, [low, high]: readonly [number, number]): boolean {
+function within(value: number, [low, high]: Range): boolean {
   return low <= value && value <= high;
 }

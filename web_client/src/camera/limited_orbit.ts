@@ -7,10 +7,12 @@ import {
   type OrbitFrame,
   type OrbitPose,
   orbitPoseOf,
+  type Space,
   springBack,
   unlimited,
 } from "./captured_space";
 import type { OrbitCamera } from "./orbit";
+import { readSeenLimits, type SeenLimits } from "./seen_limits";
 import type { Vec3 } from "./vector";
 
 const ROUND = 2 * Math.PI;
@@ -18,14 +20,16 @@ const NUMBERS = ["azimuth", "elevation", "distance"] as const;
 
 export class LimitedOrbit {
   readonly #frame: OrbitFrame;
+  readonly space: Space | null;
   #azimuth = 0; // shown last; tells on which side a camera is that has been pulled past the back
 
   /** @param space where the camera stays, around `center`; null if it is free. */
   constructor(
     readonly camera: OrbitCamera,
     center: Vec3,
-    readonly space: CapturedSpace | null,
+    space: CapturedSpace | null,
   ) {
+    this.space = space && { ...space, limits: seenLimits(space) };
     this.#frame = { center, up: camera.up, front: space?.front ?? [0, 0, 0] };
     this.#azimuth = this.#pose().azimuth;
   }
@@ -79,5 +83,16 @@ export class LimitedOrbit {
     this.#azimuth = to.azimuth;
     const still = Math.abs(yaw) + Math.abs(pitch) + Math.abs(factor - 1) < 1e-12;
     if (!still) this.camera.carry(this.#frame.center, yaw, pitch, factor);
+  }
+}
+
+/** Null, and said in the browser's console, where the document has them wrong: the camera stays in the space as it is. */
+function seenLimits(space: CapturedSpace): SeenLimits | null {
+  try {
+    return readSeenLimits(space);
+  } catch (error) {
+    // biome-ignore lint/suspicious/noConsole: for whoever made the scene
+    console.warn(error);
+    return null;
   }
 }
