@@ -15,7 +15,7 @@ from hgs_core.fit.seen_share import SeenShare
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import HybridScene
 
-__all__ = ["limits_where", "with_seen_limits"]
+__all__ = ["limits_where", "view_from", "with_seen_limits"]
 
 Triple = tuple[float, float, float]
 
@@ -38,15 +38,14 @@ def with_seen_limits(
     seen = SeenShare(scene, cameras)
     if seen.filled < FILLED:
         return space
-    middle, upward = np.asarray(center, np.float64), np.asarray(up, np.float64)
     lens = sorted(cameras, key=lambda camera: camera.fx / camera.width)[len(cameras) // 2]
-    usual = float(np.median([np.linalg.norm(camera.position - middle) for camera in cameras]))
+    usual = float(np.median([np.linalg.norm(camera.position - np.array(center)) for camera in cameras]))
     standing = [space.place(camera.position, center, up) for camera in cameras]
     places = [place for place in standing if space.holds(place)]
 
     def share(place: Place) -> float:
         like = dataclasses.replace(lens, near=lens.near * place.distance / usual)
-        return seen.of(_looking_from(_eye(space, place, upward), upward, middle, like))
+        return seen.of(view_from(space, place, center, up, like))
 
     required = min(REQUIRED, float(np.quantile([share(place) for place in places], OWN))) if places else REQUIRED
     return dataclasses.replace(space, seen=limits_where(share, required, space, places))
@@ -82,6 +81,20 @@ def limits_where(
         tuple(tuple(_pair(one) for one in column) for column in distances),
         None if half is None or sides is None else _pair(_rounded(sides, (-half, half))),
     )
+
+
+def view_from(space: CapturedSpace, place: Place, center: Triple, up: Triple, like: Camera) -> Camera:
+    """Return an upright camera at a place, which looks at the centre; all but its pose is `like`'s."""
+    front, upward = np.array(space.front), np.array(up)
+    elevation = min(max(place.elevation, -POLE), POLE)
+    ahead = math.cos(place.azimuth) * front + math.sin(place.azimuth) * np.cross(upward, front)
+    forward = -(math.cos(elevation) * ahead + math.sin(elevation) * upward)
+    right = np.cross(forward, upward)
+    right /= np.linalg.norm(right)
+    pose = np.eye(4)
+    pose[:3, :3] = right, np.cross(forward, right), forward
+    pose[:3, 3] = -pose[:3, :3] @ (np.array(center) - place.distance * forward)
+    return dataclasses.replace(like, world_to_camera=pose, cx=like.width / 2, cy=like.height / 2)
 
 
 def _range(values: Doubles, shares: Doubles, required: float) -> Doubles:
@@ -133,22 +146,3 @@ def _rounded(ranges: Doubles, box: Range) -> Doubles:
 
 def _pair(ends: Doubles) -> Range:
     return float(ends[0]), float(ends[1])
-
-
-def _eye(space: CapturedSpace, place: Place, up: Doubles) -> Doubles:
-    """Return where a place is from the centre."""
-    front = np.asarray(space.front)
-    elevation = min(max(place.elevation, -POLE), POLE)
-    ahead = math.cos(place.azimuth) * front + math.sin(place.azimuth) * np.cross(up, front)
-    return np.asarray(place.distance * (math.cos(elevation) * ahead + math.sin(elevation) * up))
-
-
-def _looking_from(offset: Doubles, up: Doubles, center: Doubles, like: Camera) -> Camera:
-    """Return an upright camera beside the centre, which it looks at; all but its pose is `like`'s."""
-    forward = -offset / np.linalg.norm(offset)
-    right = np.cross(forward, up)
-    right /= np.linalg.norm(right)
-    pose = np.eye(4)
-    pose[:3, :3] = right, np.cross(forward, right), forward
-    pose[:3, 3] = -pose[:3, :3] @ (center + offset)
-    return dataclasses.replace(like, world_to_camera=pose, cx=like.width / 2, cy=like.height / 2)

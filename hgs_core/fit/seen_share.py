@@ -38,7 +38,7 @@ BEHIND = 1.05  # largest depth of a place in the open as a share of the picture'
 SOMETHING = 0.1  # least alpha of a pixel with something to see
 COVERED = 0.98  # least alpha of a pixel without weight left
 FAR_SIDE = 0.9  # quantile of the depths of a picture
-CAMERA_SIDE, EYE_SIDE = 96, 64  # pixels of a small picture's longer side, at most
+CAMERA_SIDE, EYE_SIDE = 96, 48  # pixels of a small picture's longer side, at most
 
 Flags = NDArray[np.bool_]
 
@@ -84,7 +84,7 @@ class SeenShare:
         """Return the share of the view of an eye."""
         eye = eye.within(EYE_SIDE)
         well = _well(self._seen, self._places, eye)
-        picture = self._draw(eye, torch.from_numpy(well.astype(np.float32))[:, None].repeat(1, 3))
+        picture = self._draw(eye, torch.from_numpy(well.astype(np.float32)[:, None].repeat(3, axis=1)))
         return float((picture.red + self._rest(eye, picture)).mean())
 
     def _rest(self, eye: Camera, picture: _Picture) -> Doubles:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from hgs_core.codec.encoder.find_captured_space import find_captured_space
 from hgs_core.codec.format.captured_space import CapturedSpace, Place
-from hgs_core.fit.find_seen_limits import limits_where, with_seen_limits
+from hgs_core.fit.find_seen_limits import limits_where, view_from, with_seen_limits
 from hgs_core.scene import DynamicSplats, HybridScene, Segment
 from hgs_core.scene.camera import Camera, looking_at
 from tests.hgs_core.fit.test_seen_share import scene_of, wall
@@ -84,6 +84,19 @@ def test_limits_stay_in_the_box_and_have_few_digits(own: list[Place], slope: flo
     assert all(1 <= low <= high <= 3 for column in seen.distances for low, high in column)
     numbers = [number for pair in seen.elevations for number in pair]
     assert max(len(repr(number)) for number in numbers) <= len("-0.1234")
+
+
+@given(places)
+def test_a_view_stands_at_its_place_upright_with_the_centre_in_its_middle(place: Place) -> None:
+    center = (1.0, 2.0, 3.0)
+    eye = view_from(ARC, place, center, UP, filming(0.0))
+    found = ARC.place(eye.position, center, UP)
+    assert vars(found) == pytest.approx(vars(place), abs=1e-9)
+    pixels, depth = eye.project(np.array([center, np.add(center, np.multiply(UP, 0.1))]))
+    assert depth[0] == pytest.approx(place.distance)
+    np.testing.assert_allclose(pixels[0], (32, 24), atol=1e-9)
+    assert pixels[1, 0] == pytest.approx(32)
+    assert pixels[1, 1] < 24
 
 
 def filming(angle: float, distance: float = 2.0) -> Camera:
