@@ -94,6 +94,15 @@ def test_the_captured_space_is_that_of_the_cameras_trained_on(finished: Path) ->
     assert box != find_captured_space(manifest.cameras, manifest.center, manifest.up)
 
 
+def test_the_captured_space_is_limited_to_views_that_hold_every_camera_trained_on(finished: Path) -> None:
+    manifest = load_manifest(finished / "scene" / "manifest.json")
+    space = manifest.captured_space
+    assert space is not None
+    assert space.seen is not None
+    trained = [camera for camera in manifest.cameras if camera.name not in CONFIG.capture.hold_out]
+    assert all(space.holds(space.place(camera.position, manifest.center, manifest.up)) for camera in trained)
+
+
 def test_progress_is_reported_under_the_names_of_the_protocol(finished: Path, reported: dict[str, int]) -> None:
     table = (REPOSITORY / "docs" / "rest.md").read_text().partition("| stage, in order |")[2].partition("\n\n")[0]
     documented = re.findall(r"^\| `(\w+)` \|", table, re.MULTILINE)
