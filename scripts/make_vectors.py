@@ -22,6 +22,7 @@ import sys
 import zlib
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -296,7 +297,73 @@ def captured_spaces() -> list[dict[str, object]]:
                     }
                 )
             found.append({"center": center, "up": up, "captured_space": {"front": front} | space, "places": rows})
-    return found
+    return found + [_with_seen(case) for case in found[:2]]
+
+
+SEEN = {
+    "elevation": [[-0.2, 0.1], [-0.25, 0.3], [0.05, 0.05]],
+    "distance": [
+        [[1.0, 1.5], [1.0, 2.5]],
+        [[1.2, 2.0], [1.0, 2.5]],
+        [[1.5, 1.5], [1.4, 1.8]],
+    ],
+}
+"""Limits for either space: columns of two rows."""
+
+
+def _with_seen(case: dict[str, Any]) -> dict[str, object]:
+    """The same places and more in the same space with narrower limits, which numpy interpolates."""
+    space = case["captured_space"] | {"seen": SEEN}
+    if "azimuth" in space:
+        space["seen"] = SEEN | {"azimuth": [-0.68, 0.5]}
+    up, front = np.array(case["up"]), np.array(space["front"])
+    half, low, high = space.get("azimuth"), *space["elevation"]
+    count = len(SEEN["elevation"])
+    at = np.linspace(-half, half, count) if half else np.arange(count) / count * 2 * np.pi
+    period = None if half else 2 * np.pi
+    rows = []
+    for azimuth in (-0.69, -0.67, 0.1, 0.6, 2.5, -3.0):
+        inside = not half or -0.68 <= azimuth <= 0.5
+
+        def mixed(column: list[list[float]], azimuth: float = azimuth) -> list[float]:
+            return [float(np.interp(azimuth, at, ends, period=period)) for ends in np.transpose(column)]
+
+        lowest, highest = mixed(SEEN["elevation"])
+        for elevation in (lowest - 0.01, (lowest + highest) / 2, highest - 1e-6):
+            pairs = [mixed([column[row] for column in SEEN["distance"]]) for row in (0, 1)]
+            nearest, farthest = (float(np.interp(elevation, [low, high], ends)) for ends in np.transpose(pairs))
+            for distance in (nearest - 0.01, (nearest + farthest) / 2, farthest + 0.01):
+                ahead, aside = np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth)
+                direction = ahead * front + aside * np.cross(up, front) + np.sin(elevation) * up
+                rows.append(
+                    {
+                        "eye": (np.array(case["center"]) + distance * direction).tolist(),
+                        "azimuth": azimuth,
+                        "elevation": float(elevation),
+                        "distance": distance,
+                        "inside": bool(inside and lowest <= elevation <= highest and nearest <= distance <= farthest),
+                    }
+                )
+    return {"center": case["center"], "up": case["up"], "captured_space": space, "places": rows}
+
+
+WRONG_SEEN: list[tuple[list[Any], Any, str]] = [
+    (["azimuth"], [0.5, -0.68], "seen.azimuth"),
+    (["azimuth"], [-0.68, 0.71], "seen.azimuth"),
+    (["azimuth"], 0.5, "seen.azimuth"),
+    (["elevation"], None, "seen.elevation"),
+    (["elevation"], [[0.0, 0.1]], "seen.elevation"),
+    (["elevation", 1], [0.3, -0.25], "seen.elevation[1]"),
+    (["elevation", 1], [-0.25, 0.31], "seen.elevation[1]"),
+    (["elevation", 2, 0], "low", "seen.elevation[2][0]"),
+    (["distance"], [[[1.0, 1.5], [1.0, 2.5]]], "seen.distance"),
+    (["distance", 1], [], "seen.distance[1]"),
+    (["distance", 2], [[1.5, 1.5], [1.4, 1.8], [1.4, 1.8]], "seen.distance[2]"),
+    (["distance", 0, 0], [0.9, 1.5], "seen.distance[0][0]"),
+    (["distance", 0, 1], [2.5, 1.0], "seen.distance[0][1]"),
+    (["distance", 0, 1], [1.0, 2.5, 2.5], "seen.distance[0][1]"),
+]
+"""Changes to the limits of the first space that has them, and the field that is wrong then."""
 
 
 def audio() -> dict[str, object]:
@@ -416,6 +483,8 @@ def main() -> None:
     (OUT / "invalid.json").write_text(json.dumps(errors, indent=1) + "\n")
     (OUT / "manifest.json").write_text(json.dumps(manifest(), indent=1) + "\n")
     (OUT / "captured_space.json").write_text(json.dumps(captured_spaces(), indent=1) + "\n")
+    wrong = [{"at": at, "value": value, "field": field} for at, value, field in WRONG_SEEN]
+    (OUT / "invalid_seen.json").write_text(json.dumps(wrong, indent=1) + "\n")
     wrong = [{"at": at, "value": value, "field": field} for at, value, field in WRONG_FIELDS]
     (OUT / "invalid_manifest.json").write_text(json.dumps(wrong, indent=1) + "\n")
     wrong = [{"at": at, "value": value, "field": field} for at, value, field in INVALID_AUDIO]

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 __all__ = ["film", "write_webp"]
 
-_SIZE = (640, 480)  # pixels of the window
+_SIZE = (960, 720)  # pixels of the window
 _RATE = 15  # frames per second of the film
 _PLAYS = 2  # plays of the scene during one swing of the camera
 _SWING = 55.0  # CSS pixels that the pointer moves to either side; the viewer turns by 0.006 radians for each

@@ -9,6 +9,7 @@ from __future__ import annotations
 import dataclasses
 import json
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -146,6 +147,7 @@ def _encode(
     """Encode a segment by itself; the first one has the statics and the sound, and finds the settings."""
     from hgs_core.codec import EncodeSettings, SetUtility, Utility, encode_scene
     from hgs_core.fit.coarseness import fit
+    from hgs_core.fit.find_seen_limits import with_seen_limits
     from hgs_core.fit.measured_utility import measure_utility
     from hgs_core.render.thumbnail import thumbnail
     from hgs_core.runs.encode_inputs import views_of_run
@@ -179,6 +181,7 @@ def _encode(
         settings = EncodeSettings(**json.loads(settings_file.read_bytes()))
         scene = dataclasses.replace(scene, static=StaticSplats.empty())
         utility = Utility(SetUtility(utility.static.shown[:0], utility.static.missed[:0]), utility.dynamic)
+    trained = list(whole.trained.values()) if whole.photographed else ()
     encode_scene(
         scene,
         folder.segment(number),
@@ -190,7 +193,8 @@ def _encode(
         thumbnail=picture,
         training=training,
         utility=utility,
-        trained=list(whole.trained.values()) if whole.photographed else (),
+        trained=trained,
+        narrowed=partial(with_seen_limits, scene=scene, cameras=trained) if number == 0 else None,
         start_views=starts,
         up=whole.up,
         audio=audio,

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -50,6 +51,7 @@ def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, f
     """
     from hgs_core.codec import encode_scene
     from hgs_core.fit.coarseness import fine_tune_iterations, fit
+    from hgs_core.fit.find_seen_limits import with_seen_limits
     from hgs_core.fit.measured_utility import measure_utility
     from hgs_core.render.thumbnail import thumbnail
     from hgs_core.runs.encode_inputs import trained_scene, training_states, views_of_run
@@ -92,6 +94,7 @@ def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, f
         "encoding_loss": round(found.loss.whole, 4),
         "encoding_loss_moving": None if found.loss.moving is None else round(found.loss.moving, 4),
     }
+    trained = list(views.trained.values()) if views.photographed else ()
     manifest = encode_scene(
         found.scene,
         folder.scene,
@@ -103,7 +106,8 @@ def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, f
         thumbnail=picture,
         training=training,
         utility=found.utility,
-        trained=list(views.trained.values()) if views.photographed else (),
+        trained=trained,
+        narrowed=partial(with_seen_limits, scene=found.scene, cameras=trained),
         start_views=starts,
         up=views.up,
         audio=scene_sound(folder, spec, views.capture, found.scene.start, found.scene.end),

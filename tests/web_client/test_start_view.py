@@ -63,6 +63,6 @@ def test_all_that_moves_is_inside_the_canvas(
     y, x = np.nonzero(red)
     assert 0 < x.min() <= x.max() < columns - 1
     assert 0 < y.min() <= y.max() < rows - 1
-    if width > height:  # from the front, three balls side by side
+    if width > height:  # front view: three balls side by side
         filled = red.any(axis=0).astype(int)
         assert int((np.diff(filled) == 1).sum()) == 3

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -23,6 +23,7 @@ from hgs_core.codec.encoder.segment_times import Shown, frame_interval, shown_se
 from hgs_core.codec.encoder.utility import SetUtility, Utility
 from hgs_core.codec.encoder.viewpoint import find_viewpoint
 from hgs_core.codec.format.audio import CodedAudio
+from hgs_core.codec.format.captured_space import CapturedSpace
 from hgs_core.codec.format.chunk import VERSIONS, Box
 from hgs_core.codec.format.decode import DecodedChunk
 from hgs_core.codec.format.manifest import ChunkEntry, Manifest, SegmentEntry, SliceEntry
@@ -33,6 +34,8 @@ from hgs_core.scene.splats import HybridScene
 from hgs_core.scene.temporal import lifetime
 
 __all__ = ["encode_scene"]
+
+Triple = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
@@ -58,8 +61,9 @@ def encode_scene(
     closer: Sequence[Camera] = (),
     trained: Sequence[Camera] = (),
     start_views: StartViews | None = None,
+    narrowed: Callable[[CapturedSpace, Triple, Triple], CapturedSpace] | None = None,
     metres_per_unit: float | None = None,
-    up: tuple[float, float, float] | None = None,
+    up: Triple | None = None,
     audio: CodedAudio | None = None,
 ) -> Manifest:
     """Write `scene` to the folder `out` and return its manifest.
@@ -68,10 +72,10 @@ def encode_scene(
     JSON can hold, `utility` what every splat was measured to do to the capture's pictures (else it is guessed from size
     and opacity, and nothing is pruned for it). Splats are sized for how `cameras` and `closer` see them; the manifest
     names the former. `trained` are those of them whose pictures made the scene: they tell the manifest's captured
-    space, which it lacks without them. `start_views` are the first views of viewers, else the first camera.
-    `metres_per_unit`, above 0, tells headsets how large the scene is, where that is known. `up` is the unit vector that
-    points upwards; without it, the mean of the cameras' upward directions. `audio` is the scene's sound, on the clock
-    of `times`.
+    space, which it lacks without them; `narrowed` returns that space with further limits, given also its centre and the
+    scene's `up`. `start_views` are the first views of viewers, else the first camera. `metres_per_unit`, above 0, tells
+    headsets how large the scene is, where that is known. `up` is the unit vector that points upwards; without it, the
+    mean of the cameras' upward directions. `audio` is the scene's sound, on the clock of `times`.
     Equal arguments give equal bytes. The manifest appears last and atomically; chunks of an earlier scene in the same
     folder are removed after that.
 
@@ -107,6 +111,7 @@ def encode_scene(
         pieces, chunks = _segment_chunks(shown, seen_by, known, settings.of_dynamic, len(coded), scene.antialiased)
         slices += pieces
         coded += chunks
+    space = find_captured_space(trained, view.center, up) if trained else None
     manifest = Manifest(
         title=title,
         start=scene.start,
@@ -125,7 +130,7 @@ def encode_scene(
         antialiased=scene.antialiased,
         start_views=start_views,
         photographed=bool(trained),
-        captured_space=find_captured_space(trained, view.center, up) if trained else None,
+        captured_space=narrowed(space, view.center, up) if space and narrowed else space,
         metres_per_unit=metres_per_unit,
         audio=None if audio is None else audio.entry,
         version=max([VERSIONS[0], *(chunk.version for chunk in coded)]),

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from hgs_core.codec.format.json_fields import Field
+from hgs_core.codec.format.seen_limits import SeenLimits, range_of
 
 __all__ = ["CapturedSpace", "Place"]
 
@@ -31,6 +32,7 @@ class CapturedSpace:
     azimuth: float | None  # half of the range, radians in (0, pi); None: all round
     elevation: tuple[float, float]  # lowest and highest, radians
     distance: tuple[float, float]  # nearest and farthest, world units, above 0
+    seen: SeenLimits | None = None  # narrower ranges, direction by direction; None: not known
 
     def place(self, point: npt.ArrayLike, center: npt.ArrayLike, up: npt.ArrayLike) -> Place:
         """Return where a point [3] lies around `center` [3], with `up` [3] a unit vector.
@@ -48,18 +50,40 @@ class CapturedSpace:
 
     def holds(self, place: Place) -> bool:
         """Return whether a place is inside."""
-        return (
-            (self.azimuth is None or abs(place.azimuth) <= self.azimuth)
-            and self.elevation[0] <= place.elevation <= self.elevation[1]
-            and self.distance[0] <= place.distance <= self.distance[1]
-        )
+        left, right = self.azimuths
+        if not left <= place.azimuth <= right:
+            return False
+        low, high = self.elevations(place.azimuth)
+        if not low <= place.elevation <= high:
+            return False
+        nearest, farthest = self.distances(place.azimuth, place.elevation)
+        return nearest <= place.distance <= farthest
+
+    @property
+    def azimuths(self) -> tuple[float, float]:
+        """The range of azimuths; without limits, it has no end."""
+        if self.azimuth is None:
+            return -math.inf, math.inf
+        seen = None if self.seen is None else self.seen.azimuth
+        return seen or (-self.azimuth, self.azimuth)
+
+    def elevations(self, azimuth: float) -> tuple[float, float]:
+        """Return the lowest and highest elevation at an azimuth."""
+        return self.elevation if self.seen is None else self.seen.elevation(azimuth, self.azimuth)
+
+    def distances(self, azimuth: float, elevation: float) -> tuple[float, float]:
+        """Return the nearest and farthest distance in a direction."""
+        if self.seen is None:
+            return self.distance
+        return self.seen.distance(azimuth, elevation, self.azimuth, self.elevation)
 
     def to_json(self) -> dict[str, Any]:
         """Return the plain form."""
         document: dict[str, Any] = {"front": list(self.front)}
         if self.azimuth is not None:
             document["azimuth"] = self.azimuth
-        return document | {"elevation": list(self.elevation), "distance": list(self.distance)}
+        document |= {"elevation": list(self.elevation), "distance": list(self.distance)}
+        return document if self.seen is None else document | {"seen": self.seen.to_json()}
 
     @classmethod
     def read(cls, field: Field) -> CapturedSpace:
@@ -74,15 +98,8 @@ class CapturedSpace:
             raise field["azimuth"].error(
                 f"is {azimuth}, expected below pi", "leave it out where cameras stand all round"
             )
-        low, high = _range(field["elevation"])
-        nearest, farthest = _range(field["distance"])
-        if nearest <= 0:
-            raise field["distance"].error(f"begins at {nearest}, expected above 0")
-        return cls((x, y, z), azimuth, (low, high), (nearest, farthest))
-
-
-def _range(field: Field) -> tuple[float, float]:
-    low, high = field.numbers(2)
-    if low > high:
-        raise field.error(f"is {field.value!r}, expected ascending numbers")
-    return low, high
+        elevation, distance = range_of(field["elevation"]), range_of(field["distance"])
+        if distance[0] <= 0:
+            raise field["distance"].error(f"begins at {distance[0]}, expected above 0")
+        seen = SeenLimits.read(field["seen"], azimuth, elevation, distance) if "seen" in field.mapping() else None
+        return cls((x, y, z), azimuth, elevation, distance, seen)

@@ -107,6 +107,15 @@ def test_the_scene_is_whole_and_shows_what_was_trained(in_one_process: Path) -> 
     assert manifest.training["encoding_loss"] <= 0.1  # the first segment's
 
 
+def test_the_first_segment_finds_the_limits_of_the_captured_space(in_one_process: Path) -> None:
+    first, second = (load_manifest(in_one_process / "segments" / str(number)).captured_space for number in (0, 1))
+    assert first is not None
+    assert first.seen is not None
+    assert second is not None
+    assert second.seen is None
+    assert load_manifest(in_one_process / "scene").captured_space == first
+
+
 def test_nothing_is_made_twice(in_one_process: Path) -> None:
     folder = RunFolder(in_one_process)
     before = {path: path.stat().st_mtime_ns for path in in_one_process.rglob("*") if path.is_file()}

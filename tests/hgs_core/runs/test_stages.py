@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import re
 import shutil
@@ -87,8 +88,19 @@ def test_the_captured_space_is_that_of_the_cameras_trained_on(finished: Path) ->
     manifest = load_manifest(finished / "scene" / "manifest.json")
     trained = [camera for camera in manifest.cameras if camera.name not in CONFIG.capture.hold_out]
     assert len(trained) == len(manifest.cameras) - 1
-    assert manifest.captured_space == find_captured_space(trained, manifest.center, manifest.up)
-    assert manifest.captured_space != find_captured_space(manifest.cameras, manifest.center, manifest.up)
+    assert manifest.captured_space is not None
+    box = dataclasses.replace(manifest.captured_space, seen=None)
+    assert box == find_captured_space(trained, manifest.center, manifest.up)
+    assert box != find_captured_space(manifest.cameras, manifest.center, manifest.up)
+
+
+def test_the_captured_space_is_limited_to_views_that_hold_every_camera_trained_on(finished: Path) -> None:
+    manifest = load_manifest(finished / "scene" / "manifest.json")
+    space = manifest.captured_space
+    assert space is not None
+    assert space.seen is not None
+    trained = [camera for camera in manifest.cameras if camera.name not in CONFIG.capture.hold_out]
+    assert all(space.holds(space.place(camera.position, manifest.center, manifest.up)) for camera in trained)
 
 
 def test_progress_is_reported_under_the_names_of_the_protocol(finished: Path, reported: dict[str, int]) -> None:

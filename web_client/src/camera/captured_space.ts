@@ -6,6 +6,7 @@
  */
 
 import type { CapturedSpace } from "../codec/types";
+import { azimuths, distances, elevations, type Range, type SeenLimits } from "./seen_limits";
 import { add, cross, dot, length, rotateAbout, scale, subtract, type Vec3 } from "./vector";
 
 /** The position of an eye relative to its target. */
@@ -17,6 +18,9 @@ export interface OrbitPose {
   /** World units, above 0. */
   readonly distance: number;
 }
+
+/** A captured space, with narrower limits if the document has them. */
+export type Space = CapturedSpace & { readonly limits?: SeenLimits | null };
 
 /** The frame of reference of an orbit pose. */
 export interface OrbitFrame {
@@ -55,13 +59,12 @@ export function eyeAt(pose: OrbitPose, { center, up, front }: OrbitFrame): Vec3 
 }
 
 /** Whether a pose is in the captured space. */
-export function isInside(pose: OrbitPose, space: CapturedSpace | null): boolean {
-  if (!space) return true;
-  const { azimuth, elevation, distance } = space;
+export function isInside({ azimuth, elevation, distance }: OrbitPose, space: Space | null): boolean {
   return (
-    (azimuth === null || Math.abs(pose.azimuth) <= azimuth) &&
-    within(pose.elevation, elevation) &&
-    within(pose.distance, distance)
+    !space ||
+    (within(azimuth, azimuths(space)) &&
+      within(elevation, elevations(space, azimuth)) &&
+      within(distance, distances(space, azimuth, elevation)))
   );
 }
 
@@ -72,24 +75,26 @@ export function isInside(pose: OrbitPose, space: CapturedSpace | null): boolean 
  * Keep the drag's pose while it lasts and display this one: limiting a displayed pose would pull twice. A drag that
  * begins while the camera springs back begins at `unlimited` of the displayed pose, so that the picture does not jump.
  */
-export function limited(asked: OrbitPose, space: CapturedSpace | null): OrbitPose {
+export function limited(asked: OrbitPose, space: Space | null): OrbitPose {
   return space ? mapped(asked, space, stretched) : asked;
 }
 
 /** The inverse of `limited`, up to the band's give. */
-export function unlimited(shown: OrbitPose, space: CapturedSpace | null): OrbitPose {
+export function unlimited(shown: OrbitPose, space: Space | null): OrbitPose {
   return space ? mapped(shown, space, unstretched) : shown;
 }
 
-/** The nearest pose inside, in each number by itself: the rest position of a released camera. */
-export function nearestInside(pose: OrbitPose, space: CapturedSpace | null): OrbitPose {
+/**
+ * The nearest pose inside, in azimuth, then in elevation, then in distance: the rest position of a released camera.
+ */
+export function nearestInside(pose: OrbitPose, space: Space | null): OrbitPose {
   return space ? mapped(pose, space, () => 0) : pose;
 }
 
 /**
  * The pose of a camera `seconds` after its release at `shown`: on its way to `nearestInside`, in the end exactly there.
  */
-export function springBack(shown: OrbitPose, space: CapturedSpace | null, seconds: number): OrbitPose {
+export function springBack(shown: OrbitPose, space: Space | null, seconds: number): OrbitPose {
   const left = Math.exp(-seconds / SPRING);
   return space ? mapped(shown, space, (beyond, give) => (beyond > ARRIVED * give ? beyond * left : 0)) : shown;
 }
@@ -106,27 +111,35 @@ const unstretched: Beyond = (beyond, give) => {
   return (share / (1 - share)) * give;
 };
 
-function mapped(pose: OrbitPose, space: CapturedSpace, map: Beyond): OrbitPose {
-  const { azimuth, elevation, distance } = space;
+/** Limits of a pose beyond the border: those of the border beside it, so that `limited` keeps them. */
+function mapped({ azimuth, elevation, distance }: OrbitPose, space: Space, map: Beyond): OrbitPose {
+  const across = azimuths(space);
+  const beside = moved(azimuth, across, () => 0);
+  const upward = elevations(space, beside);
+  const outward = distances(
+    space,
+    beside,
+    moved(elevation, upward, () => 0),
+  );
   return {
-    azimuth: azimuth === null ? pose.azimuth : moved(pose.azimuth, [-azimuth, azimuth], map),
-    elevation: moved(pose.elevation, elevation, map),
-    distance: zoomed(pose.distance, distance, map),
+    azimuth: moved(azimuth, across, map),
+    elevation: moved(elevation, upward, map),
+    distance: zoomed(distance, outward, map),
   };
 }
 
-function zoomed(value: number, [nearest, farthest]: readonly [number, number], map: Beyond): number {
+function zoomed(value: number, [nearest, farthest]: Range, map: Beyond): number {
   if (value > farthest) return farthest * Math.exp(map(Math.log(value / farthest), GIVE.distance));
   if (value < nearest) return nearest / Math.exp(map(Math.log(nearest / value), GIVE.distance));
   return value;
 }
 
-function moved(value: number, [low, high]: readonly [number, number], map: Beyond): number {
+function moved(value: number, [low, high]: Range, map: Beyond): number {
   if (value > high) return high + map(value - high, GIVE.angle);
   if (value < low) return low - map(low - value, GIVE.angle);
   return value;
 }
 
-function within(value: number, [low, high]: readonly [number, number]): boolean {
+function within(value: number, [low, high]: Range): boolean {
   return low <= value && value <= high;
 }

@@ -7,10 +7,12 @@ import {
   type OrbitFrame,
   type OrbitPose,
   orbitPoseOf,
+  type Space,
   springBack,
   unlimited,
 } from "./captured_space";
 import type { OrbitCamera } from "./orbit";
+import { readSeenLimits, type SeenLimits } from "./seen_limits";
 import { add, cross, dot, normalise, rotateAbout, row, scale, subtract, type Vec3 } from "./vector";
 
 const ROUND = 2 * Math.PI;
@@ -18,6 +20,7 @@ const NUMBERS = ["azimuth", "elevation", "distance"] as const;
 
 export class LimitedOrbit {
   readonly #frame: OrbitFrame;
+  readonly space: Space | null;
   #azimuth = 0; // last displayed azimuth; decides the side of a camera that was pulled past the back
 
   /**
@@ -28,8 +31,9 @@ export class LimitedOrbit {
   constructor(
     readonly camera: OrbitCamera,
     center: Vec3,
-    readonly space: CapturedSpace | null,
+    space: CapturedSpace | null,
   ) {
+    this.space = space && { ...space, limits: seenLimits(space) };
     this.#frame = { center, up: camera.up, front: space?.front ?? [0, 0, 0] };
     this.#azimuth = this.#pose().azimuth;
   }
@@ -99,4 +103,15 @@ export function carry(camera: OrbitCamera, center: Vec3, yaw: number, pitch: num
   const distance = Math.max(camera.closest, camera.distance - dot(scale(offset, factor - 1), ahead));
   const place = add(center, scale(offset, factor));
   camera.place(place, add(place, scale(ahead, distance)), carried(camera.upwards));
+}
+
+/** The document's seen limits; null, with a warning in the console, if they are invalid. */
+function seenLimits(space: CapturedSpace): SeenLimits | null {
+  try {
+    return readSeenLimits(space);
+  } catch (error) {
+    // biome-ignore lint/suspicious/noConsole: a fault of the document, without consequences for a visitor
+    console.warn(error);
+    return null;
+  }
 }

@@ -99,6 +99,8 @@ export interface CapturedSpace {
   readonly elevation: readonly [number, number];
   /** Nearest and farthest, world units, above 0. */
   readonly distance: readonly [number, number];
+  /** Narrower limits, as the document has them. See `readSeenLimits`. */
+  readonly seen?: unknown;
 }
 
 export interface SegmentEntry {

@@ -8,9 +8,11 @@ import {
   nearestInside,
   type OrbitPose,
   orbitPoseOf,
+  type Space,
   springBack,
   unlimited,
 } from "../../src/camera/captured_space";
+import { readSeenLimits } from "../../src/camera/seen_limits";
 import { normalise, scale, subtract, type Vec3 } from "../../src/camera/vector";
 import type { CapturedSpace } from "../../src/codec/types";
 
@@ -26,6 +28,35 @@ const VECTORS: Vector[] = JSON.parse(
 );
 const ARC: CapturedSpace = { front: [1, 0, 0], azimuth: 0.7, elevation: [-0.25, 0.3], distance: [1, 2.5] };
 const DOME: CapturedSpace = { ...ARC, azimuth: null };
+/** Narrower at the sides, and to one point at the right end. */
+const SEEN = {
+  azimuth: [-0.6, 0.5],
+  elevation: [
+    [-0.1, 0.1],
+    [-0.25, 0.3],
+    [0.05, 0.05],
+  ],
+  distance: [
+    [
+      [1, 1.5],
+      [1, 2.5],
+    ],
+    [
+      [1.2, 2],
+      [1, 2.5],
+    ],
+    [
+      [1.5, 1.5],
+      [1.4, 1.8],
+    ],
+  ],
+};
+const narrowed = (space: CapturedSpace, seen: unknown): Space => ({
+  ...space,
+  limits: readSeenLimits({ ...space, seen }),
+});
+const NARROW_ARC = narrowed(ARC, SEEN);
+const NARROW_DOME = narrowed(DOME, { elevation: SEEN.elevation, distance: SEEN.distance });
 const NUMBERS = ["azimuth", "elevation", "distance"] as const;
 
 const anyPose = fc.record({
@@ -55,7 +86,8 @@ function expectClose(found: OrbitPose, expected: OrbitPose, digits = 9): void {
 }
 
 describe.each(VECTORS)("the shared vectors around $center", ({ center, up, captured_space, places }) => {
-  const space: CapturedSpace = { ...captured_space, azimuth: captured_space.azimuth ?? null };
+  const box: CapturedSpace = { ...captured_space, azimuth: captured_space.azimuth ?? null };
+  const space = narrowed(box, box.seen);
   const frame = { center, up, front: space.front };
 
   it("are read as the places they are", () => {
@@ -196,5 +228,56 @@ describe("springBack", () => {
   it("leaves alone what is inside", () => {
     const pose = { azimuth: 0.1, elevation: 0.1, distance: 2 };
     expect(springBack(pose, ARC, 1)).toEqual(pose);
+  });
+});
+
+describe.each([
+  ["an arc", NARROW_ARC],
+  ["a dome", NARROW_DOME],
+])("in %s with narrower limits", (_, space) => {
+  const near = fc.record({
+    azimuth: fc.double({ min: -7, max: 7, noNaN: true }),
+    elevation: fc.double({ min: -1.5, max: 1.5, noNaN: true }),
+    distance: fc.double({ min: 0.2, max: 10, noNaN: true }),
+  });
+
+  it("the place of rest is inside, and stays where it is", () => {
+    fc.assert(
+      fc.property(near, (pose) => {
+        const rest = nearestInside(pose, space);
+        expect(isInside(rest, space)).toBe(true);
+        expect(limited(rest, space)).toEqual(rest);
+      }),
+    );
+  });
+
+  it("unlimited is the inverse of limited", () => {
+    fc.assert(
+      fc.property(near, (asked) => {
+        const shown = limited(asked, space);
+        expectClose(limited(unlimited(shown, space), space), shown, 6);
+        if (Math.abs(asked.azimuth) < 3) expectClose(unlimited(shown, space), asked, 5);
+      }),
+    );
+  });
+
+  it("a small step asked for is a small step shown, along any border", () => {
+    fc.assert(
+      fc.property(near, (pose) => {
+        const [here, there] = [pose, { ...pose, azimuth: pose.azimuth + 1e-6 }].map((one) => limited(one, space));
+        for (const name of NUMBERS) expect(Math.abs(here[name] - there[name])).toBeLessThan(1e-4);
+      }),
+    );
+  });
+
+  it("a camera that is let go comes to rest exactly inside", () => {
+    fc.assert(
+      fc.property(near, (pose) => {
+        let shown = limited(pose, space);
+        for (let frame = 0; frame < 200; frame++) shown = springBack(shown, space, 1 / 60);
+        expect(isInside(shown, space)).toBe(true);
+        expectClose(shown, nearestInside(limited(pose, space), space));
+      }),
+    );
   });
 });

@@ -1,4 +1,4 @@
-import { describe, expect, it } from "vitest";
+import { describe, expect, it, vi } from "vitest";
 import { orbitPoseOf } from "../../src/camera/captured_space";
 import { LimitedOrbit } from "../../src/camera/limited_orbit";
 import { OrbitCamera } from "../../src/camera/orbit";
@@ -24,6 +24,24 @@ function drag(orbit: LimitedOrbit, change: (camera: OrbitCamera) => void, steps 
 function letGo(orbit: LimitedOrbit): void {
   for (let i = 0; i < 200; i++) orbit.springBack(1 / 60);
 }
+
+/** The higher, the nearer: far away nobody saw what is around. */
+const SEEN = {
+  elevation: [
+    [-0.3, 0.4],
+    [-0.3, 0.4],
+  ],
+  distance: [
+    [
+      [2, 6],
+      [2, 3],
+    ],
+    [
+      [2, 6],
+      [2, 3],
+    ],
+  ],
+};
 
 describe("an orbit camera in the captured space", () => {
   it("moves freely inside: bit for bit as one without limits", () => {
@@ -94,5 +112,32 @@ describe("an orbit camera in the captured space", () => {
     drag(orbit, (camera) => camera.turn(0.02, 0), 157);
     expect(orbit.camera.eye[2]).toBeCloseTo(4, 1);
     expect(orbit.beyond).toBe(false);
+  });
+
+  it("glides along a border that follows what was seen, and rests on it", () => {
+    const orbit = limited({ ...ARC, seen: SEEN });
+    drag(orbit, (camera) => camera.turn(0, 0.01));
+    const steps: number[] = [];
+    for (let i = 0; i < 100; i++) {
+      const before = poseOf(orbit).distance;
+      orbit.springBack(1 / 60);
+      steps.push(Math.abs(poseOf(orbit).distance - before));
+    }
+    letGo(orbit);
+    expect(poseOf(orbit).elevation).toBeCloseTo(0.4);
+    expect(poseOf(orbit).distance).toBeCloseTo(3);
+    expect(Math.max(...steps)).toBeLessThan(0.2);
+    expect(orbit.beyond).toBe(false);
+  });
+
+  it("stays in the space as it is where what was seen is told wrongly, and says so", () => {
+    const warn = vi.spyOn(console, "warn").mockImplementation(() => undefined);
+    const orbit = limited({ ...ARC, seen: { ...SEEN, distance: "far" } });
+    expect(String(warn.mock.calls)).toContain("captured_space.seen.distance");
+    drag(orbit, (camera) => camera.turn(0, 0.02));
+    letGo(orbit);
+    expect(poseOf(orbit).elevation).toBeCloseTo(0.4);
+    expect(poseOf(orbit).distance).toBeCloseTo(4);
+    warn.mockRestore();
   });
 });

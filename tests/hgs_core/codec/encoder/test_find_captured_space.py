@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import dataclasses
 import math
 from pathlib import Path
 
@@ -10,6 +11,8 @@ from hypothesis import strategies as st
 
 from hgs_core.codec import load_manifest
 from hgs_core.codec.encoder.find_captured_space import find_captured_space
+from hgs_core.codec.format.captured_space import CapturedSpace
+from hgs_core.codec.format.seen_limits import SeenLimits
 from hgs_core.scene.camera import Camera, looking_at
 from tests.hgs_core.codec.scenes import encode, scene
 
@@ -107,3 +110,22 @@ def test_the_manifest_tells_of_the_training_cameras_and_the_chunks_stay_as_they_
     assert manifest.captured_space == find_captured_space(cameras[:3], manifest.center, manifest.up)
     assert load_manifest(tmp_path / "with").captured_space == manifest.captured_space
     assert manifest.chunks == without.chunks
+
+
+def test_the_manifest_has_the_space_as_it_is_narrowed_and_the_chunks_stay_as_they_were(
+    tmp_path: Path, cameras: list[Camera]
+) -> None:
+    given = []
+
+    def narrowed(space: CapturedSpace, *where: tuple[float, float, float]) -> CapturedSpace:
+        given.append((space, *where))
+        return dataclasses.replace(space, seen=SeenLimits((space.elevation,) * 2, ((space.distance,) * 2,) * 2))
+
+    whole = encode(scene(), tmp_path / "whole", cameras, trained=cameras)
+    manifest = encode(scene(), tmp_path / "narrowed", cameras, trained=cameras, narrowed=narrowed)
+    assert given == [(whole.captured_space, whole.center, whole.up)]
+    assert manifest.captured_space is not None
+    assert manifest.captured_space.seen is not None
+    assert load_manifest(tmp_path / "narrowed").captured_space == manifest.captured_space
+    assert manifest.chunks == whole.chunks
+    assert encode(scene(), tmp_path / "unknown", cameras, narrowed=narrowed).captured_space is None
