@@ -12,7 +12,7 @@ from hgs_core.base.errors import InputError
 from hgs_core.base.progress import ProgressCallback, silent
 from hgs_core.codec import decode_scene, load_manifest
 from hgs_core.codec.format.scene_folder import MANIFEST
-from hgs_core.interchange.changes import Change
+from hgs_core.interchange.changes import Action, Change
 from hgs_core.interchange.export_scene import export_scene, export_sequence
 from hgs_core.interchange.ply.ply_sequence import is_sequence
 from hgs_core.runs.encode_inputs import trained_scene
@@ -30,6 +30,7 @@ class Source:
     scene: HybridScene[NDArray[np.float32]]
     cameras: tuple[Camera, ...]
     frame_rate: float  # frames per second of the capture
+    photographed: bool = False  # `cameras` took the pictures that made the splats
 
     def export(
         self,
@@ -53,10 +54,21 @@ class Source:
                     raise InputError(
                         option, "is not for a folder of frames", f"leave it out, or export {path.name}.ply"
                     )
-            return export_sequence(self.scene, path, self.frame_rate if frame_rate is None else frame_rate, progress)
+            rate = self.frame_rate if frame_rate is None else frame_rate
+            return (*export_sequence(self.scene, path, rate, progress), *self._sharper())
         if frame_rate is not None:
             raise InputError("--fps", f"is for a folder of frames, not for {path.suffix}", "leave it out")
-        return export_scene(self.scene, path, cameras=self.cameras, time=time, segment=segment, version=version)
+        changes = export_scene(self.scene, path, cameras=self.cameras, time=time, segment=segment, version=version)
+        return (*changes, *self._sharper())
+
+    def _sharper(self) -> list[Change]:
+        """Return the magnification (docs/numerics.md) as a loss: no other format or viewer has it."""
+        if not self.photographed:
+            return []
+        largest = max(self.cameras, key=lambda camera: camera.width * camera.height)
+        size = f"{largest.width}x{largest.height}"
+        reason = f"other viewers draw thin splats as needles on screens finer than the training pictures' {size}"
+        return [Change.whole(Action.LEFT_OUT, "softness on larger screens", reason)]
 
 
 def open_source(path: Path) -> Source:
@@ -72,4 +84,4 @@ def open_source(path: Path) -> Source:
         if not folder.trained.is_file() or not folder.manifest.is_file():
             raise InputError(path, "is neither a finished run nor a scene folder", "give what hgs train has finished")
         manifest, scene = load_manifest(folder.manifest), trained_scene(folder)
-    return Source(scene, manifest.cameras, manifest.frame_rate)
+    return Source(scene, manifest.cameras, manifest.frame_rate, manifest.photographed)

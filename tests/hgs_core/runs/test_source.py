@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 from typing import Any
 
@@ -103,3 +104,11 @@ def test_options_of_something_else_are_refused(
     with pytest.raises(InputError) as caught:
         open_source(run).export(tmp_path / name, **options)
     assert str(caught.value).startswith(problem)
+
+
+def test_an_export_of_photographs_states_what_larger_screens_will_show(run: Path, tmp_path: Path) -> None:
+    made_up, taken = open_source(run), dataclasses.replace(open_source(run), photographed=True)
+    plain = made_up.export(tmp_path / "a.ply", time=0.5)
+    *others, last = taken.export(tmp_path / "b.ply", time=0.5)
+    assert tuple(others) == plain
+    assert "on screens finer than the training pictures' 64x48" in str(last)
