@@ -12,6 +12,7 @@ from hgs_core.base.errors import InputError
 from hgs_core.base.progress import ProgressCallback, silent
 from hgs_core.codec import decode_scene, load_manifest
 from hgs_core.codec.format.scene_folder import MANIFEST
+from hgs_core.interchange.baked_softness import with_baked_softness
 from hgs_core.interchange.changes import Action, Change
 from hgs_core.interchange.export_scene import export_scene, export_sequence
 from hgs_core.interchange.ply.ply_sequence import is_sequence
@@ -40,14 +41,19 @@ class Source:
         segment: int | None = None,
         version: int | None = None,
         frame_rate: float | None = None,
+        bake: bool = False,
         progress: ProgressCallback = silent,
     ) -> tuple[Change, ...]:
         """Write the scene to a file (see `export_scene`), or to a folder of frames (`export_sequence`), by default at
-        the capture's rate.
+        the capture's rate; with `bake` the softness of the training pictures is in the splats (`with_baked_softness`).
 
         Raises:
             InputError: an option is not for what is written, or cannot be.
         """
+        if bake and not self.photographed:
+            raise InputError("--bake", "needs the cameras of the pictures that made the splats", "leave it out")
+        scene = with_baked_softness(self.scene, self.cameras) if bake else self.scene
+        told = [] if bake else self._sharper()
         if is_sequence(path):
             for option, value in (("--time", time), ("--segment", segment), ("--spz-version", version)):
                 if value is not None:
@@ -55,11 +61,11 @@ class Source:
                         option, "is not for a folder of frames", f"leave it out, or export {path.name}.ply"
                     )
             rate = self.frame_rate if frame_rate is None else frame_rate
-            return (*export_sequence(self.scene, path, rate, progress), *self._sharper())
+            return (*export_sequence(scene, path, rate, progress), *told)
         if frame_rate is not None:
             raise InputError("--fps", f"is for a folder of frames, not for {path.suffix}", "leave it out")
-        changes = export_scene(self.scene, path, cameras=self.cameras, time=time, segment=segment, version=version)
-        return (*changes, *self._sharper())
+        changes = export_scene(scene, path, cameras=self.cameras, time=time, segment=segment, version=version)
+        return (*changes, *told)
 
     def _sharper(self) -> list[Change]:
         """Return the magnification (docs/numerics.md) as a loss: no other format or viewer has it."""
@@ -67,7 +73,9 @@ class Source:
             return []
         largest = max(self.cameras, key=lambda camera: camera.width * camera.height)
         size = f"{largest.width}x{largest.height}"
-        reason = f"other viewers draw thin splats as needles on screens finer than the training pictures' {size}"
+        reason = (
+            f"other viewers draw thin splats as needles on screens finer than the training pictures' {size}; try --bake"
+        )
         return [Change.whole(Action.LEFT_OUT, "softness on larger screens", reason)]
 
 

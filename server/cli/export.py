@@ -36,6 +36,11 @@ def add_parser(commands: Any) -> None:
     parser.add_argument("--fps", metavar="N", type=float, help="frames of a folder a second (default: the capture's)")
     parser.add_argument("--segment", metavar="N", type=int, help="which segment of several a 4D file holds, from 0")
     parser.add_argument("--spz-version", metavar="N", type=int, help="of .spz: 2, 3 (default) or 4")
+    parser.add_argument(
+        "--bake",
+        action="store_true",
+        help="make splats as soft as the training pictures, for viewers without antialiasing",
+    )
     parser.add_argument("--json", metavar="FILE", help="write what the file lacks as JSON; -: in place of text")
     parser.set_defaults(run=_run)
 
@@ -57,6 +62,7 @@ def _run(options: argparse.Namespace) -> int:
             segment=options.segment,
             version=options.spz_version,
             frame_rate=options.fps,
+            bake=options.bake,
             progress=bars,
         )
     for change in changes:

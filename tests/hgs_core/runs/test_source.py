@@ -112,3 +112,11 @@ def test_an_export_of_photographs_states_what_larger_screens_will_show(run: Path
     *others, last = taken.export(tmp_path / "b.ply", time=0.5)
     assert tuple(others) == plain
     assert "on screens finer than the training pictures' 64x48" in str(last)
+
+
+def test_baking_needs_the_cameras_of_the_pictures(run: Path, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="--bake: needs the cameras of the pictures"):
+        open_source(run).export(tmp_path / "a.ply", time=0.5, bake=True)
+    taken = dataclasses.replace(open_source(run), photographed=True)
+    changes = taken.export(tmp_path / "b.ply", time=0.5, bake=True)
+    assert not any("larger screens" in str(change) for change in changes)
