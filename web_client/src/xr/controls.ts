@@ -19,7 +19,7 @@ export interface Commands {
   seek(share: number): void;
   /** Turn the viewer to the left, radians. */
   turn(angle: number): void;
-  /** Back to where the viewer stood at first, and to the first size. */
+  /** Back to the first size and to what was seen first, before the viewer as they stand now. */
   reset(): void;
   leave(): void;
 }
