@@ -88,7 +88,12 @@
   const draw = WebGL2RenderingContext.prototype.drawArraysInstanced; // the only one that draws splats
   WebGL2RenderingContext.prototype.drawArraysInstanced = function (...args) {
     headset.draws++;
-    draw.apply(this, args);
+    if (!headset.bare) draw.apply(this, args);
+  };
+
+  const drawFlat = WebGL2RenderingContext.prototype.drawArrays; // strips are the panel, rays and arrows
+  WebGL2RenderingContext.prototype.drawArrays = function (mode, ...rest) {
+    if (!headset.bare || mode !== this.TRIANGLE_STRIP) drawFlat.call(this, mode, ...rest);
   };
 
   const getParameter = WebGL2RenderingContext.prototype.getParameter;
@@ -115,6 +120,7 @@
     projections: null, // { left, right }: 16 numbers by columns; null for those of IWER
     frames: 0,
     draws: 0, // of splats
+    bare: false, // nothing is drawn but what is behind all
     budget: Infinity, // of the order that was asked for last, splats
     orderOf: 0, // the frame in which the newest order was asked for
     /** Let time pass without frames, milliseconds. */

@@ -98,7 +98,8 @@ class Headset:
         """Press the page's button; where it is the emulator hides once it has shown the headset's picture there."""
         self.page.get_by_role("button", name=label).dispatch_event("click")
         self.page.evaluate("() => headset.entered()")
-        self.settle()
+        self.settle(8)  # the page draws six small pictures all round, and reads them
+        self.page.evaluate("() => headset.skip(1_000)")  # the backdrop has taken its colours from them
 
     def look(self, position: tuple[float, float, float], yaw: float = 0.0, pitch: float = 0.0) -> None:
         """Put the head somewhere in the room."""
@@ -134,17 +135,18 @@ class Headset:
         """Run a frame; returns how often splats were drawn in it."""
         return int(self.page.evaluate("() => headset.frame()"))
 
-    def settle(self) -> None:
+    def settle(self, frames: int = 3) -> None:
         """Run frames until the order is of where the head is, with the panel gone."""
         self.page.evaluate(
-            """async () => {
+            """async (frames) => {
               headset.frame(); // with the head where it is now
               headset.skip(10_000); // the panel hides
-              for (let i = 0; i < 3; i++) {
+              for (let i = 0; i < frames; i++) {
                 headset.frame();
                 await headset.answered();
               }
-            }"""
+            }""",
+            frames,
         )
 
     def pictures(self) -> tuple[Doubles, Doubles]:
@@ -155,6 +157,13 @@ class Headset:
             for text in texts
         )
         return left, right
+
+    def backdrops(self) -> tuple[Doubles, Doubles]:
+        """Run a frame and return what both eyes see behind splats, panel and arrow, [H, W, 3]."""
+        self.page.evaluate("() => { headset.bare = true; }")
+        left, right = self.pictures()
+        self.page.evaluate("() => { headset.bare = false; }")
+        return left[..., :3], right[..., :3]
 
     def scene_from_room(self, camera: Camera) -> tuple[Doubles, float, Doubles]:
         """Return rotation, scale and shift of the page's placement of a visitor at a camera."""

@@ -55,11 +55,12 @@ def _rotations(quats: Doubles) -> Doubles:
 
 
 def ordered_picture(
-    splats: Moment, camera: Camera, centre: npt.ArrayLike, background: tuple[float, float, float], *, clear: float = 0.0
+    splats: Moment, camera: Camera, centre: npt.ArrayLike, background: npt.ArrayLike, *, clear: float = 0.0
 ) -> Doubles:
     """Return the antialiased picture [H, W, 3], the splats nearest to `centre` [3] in front.
 
-    Splats fade from the depth `clear`, world units, to the camera's near plane.
+    The background is a colour [3] or a picture [H, W, 3]. Splats fade from the depth `clear`, world units, to the
+    camera's near plane.
     """
     turn, shift = camera.world_to_camera[:3, :3], camera.world_to_camera[:3, 3]
     points = splats.means @ turn.T + shift

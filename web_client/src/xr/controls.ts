@@ -19,7 +19,7 @@ export interface Commands {
   seek(share: number): void;
   /** Turn the viewer to the left, radians. */
   turn(angle: number): void;
-  /** Return to the first position and size. */
+  /** Return to the first size and the first view, before the viewer's present position. */
   reset(): void;
   leave(): void;
 }

@@ -15,13 +15,17 @@ import { type RoomPose, roomPose, scenePose } from "./eye_camera";
 import { EyeLayer, NEAR } from "./eye_layer";
 import type { EyeMatrices } from "./flat_drawer";
 import { Grab, turned } from "./grab";
+import { Outlook } from "./outlook";
 import { Panel } from "./panel";
 import type { Similarity } from "./similarity";
-import { requestSpace, standingPlace } from "./standing_place";
+import { requestSpace, standingHere, standingPlace } from "./standing_place";
 import { panelState, sceneCommands } from "./transport";
 
 /** Distance to an eye below which splats fade, metres: nothing pops as the head moves. */
 const CLEAR = 0.25;
+
+/** sRGB and alpha. */
+const ARROW = [1, 1, 1, 0.8] as const;
 
 /** An eye in one frame. */
 interface Eye {
@@ -36,11 +40,13 @@ export class HeadsetSession {
   readonly #controls: Controls;
   readonly #panel = new Panel();
   readonly #grab = new Grab();
+  readonly #outlook: Outlook | null; // null where the real room is seen behind the scene
   readonly #first: Similarity;
   readonly #listeners = new AbortController();
   #sceneFromRoom: Similarity;
   #head: RoomPose | null = null;
   #last = 0; // ms
+  #lost = false; // the scene is out of sight
   #resume = false; // whether to play when the headset shows the scene again
 
   /**
@@ -57,7 +63,8 @@ export class HeadsetSession {
       await layer.create();
       const { space, eyeHeight } = await requestSpace(session);
       const { pose } = startCamera(manifest, player.camera.name);
-      new HeadsetSession(session, player, scene, standingPlace(pose, manifest, eyeHeight), space, layer);
+      const outlook = session.environmentBlendMode === "opaque" ? new Outlook(manifest, eyeHeight > 0) : null;
+      new HeadsetSession(session, player, scene, standingPlace(pose, manifest, eyeHeight), space, layer, outlook);
     } catch (error) {
       await session.end().catch(() => {}); // it may be over already
       throw error;
@@ -71,12 +78,14 @@ export class HeadsetSession {
     first: Similarity,
     readonly space: XRReferenceSpace,
     layer: EyeLayer,
+    outlook: Outlook | null,
   ) {
     this.#layer = layer;
+    this.#outlook = outlook;
     this.#first = first;
     this.#sceneFromRoom = first;
     const { splats, canvas } = scene.renderer;
-    this.#panel.attach(splats.gl);
+    this.#attach(splats.gl);
     this.#controls = new Controls(session, space, this.#panel, this.#commands());
     const { signal } = this.#listeners;
     session.addEventListener("end", () => this.#end(), { signal });
@@ -112,7 +121,9 @@ export class HeadsetSession {
     if (!first) return;
     const eyes: readonly [Eye, ...Eye[]] = [first, ...others];
     const step = this.scene.step(now, [first.view, ...others.map(({ view }) => view)], this.#layer.splats);
-    this.#draw(layer, eyes, step?.shots ?? [], now);
+    const shots = (step?.shots ?? []).map((shot) => this.#shot(shot));
+    this.#lookRound(head, shots, now);
+    this.#draw(layer, eyes, shots, head, now);
   }
 
   #eye(layer: XRWebGLLayer, view: XRView): Eye | null {
@@ -130,27 +141,38 @@ export class HeadsetSession {
     };
   }
 
-  #draw(layer: XRWebGLLayer, eyes: readonly Eye[], shots: readonly Shot[], now: number): void {
-    const { splats, background } = this.scene.renderer;
+  /** Show the panel, which brings the scene back, to a wearer without sight of it. */
+  #lookRound(head: RoomPose, [shot]: readonly Shot[], now: number): void {
+    if (!shot || !this.#outlook || !this.scene.playback?.buffer.staticComplete) return;
+    this.#lost = this.#outlook.update(now, head, this.#sceneFromRoom, shot, this.scene.renderer.splats);
+    if (this.#lost) this.#panel.wake(head, now);
+  }
+
+  #draw(layer: XRWebGLLayer, eyes: readonly Eye[], shots: readonly Shot[], head: RoomPose, now: number): void {
+    const { splats } = this.scene.renderer;
     const { gl } = splats;
-    // Nothing may cover the real room behind the scene.
-    const opaque = this.session.environmentBlendMode === "opaque";
     const panel = this.#panel.shown(now);
-    if (panel) this.#panel.paint(panelState(this.player, this.#controls.pointed));
+    if (panel) this.#panel.paint(panelState(this.player, this.#controls.pointed, this.#lost));
     gl.bindFramebuffer(gl.FRAMEBUFFER, layer.framebuffer);
     gl.enable(gl.SCISSOR_TEST);
     eyes.forEach(({ viewport: { x, y, width, height }, matrices, position }, i) => {
       gl.scissor(x, y, width, height);
-      if (opaque) gl.clearColor(...background, 1);
-      else gl.clearColor(0, 0, 0, 0);
-      gl.clear(gl.COLOR_BUFFER_BIT);
-      if (shots[i]) splats.draw(this.#shot(shots[i]), [x, y]);
-      if (!panel) return;
       gl.viewport(x, y, width, height);
+      gl.clearColor(0, 0, 0, 0); // nothing may cover a real room
+      gl.clear(gl.COLOR_BUFFER_BIT);
+      this.#outlook?.backdrop.draw(matrices, position, head.position, now);
+      if (shots[i]) splats.draw(shots[i], [x, y]);
+      gl.viewport(x, y, width, height);
+      if (this.#lost) this.#pointBack(head, matrices, position);
+      if (!panel) return;
       this.#panel.draw(matrices);
       this.#controls.draw(matrices, position);
     });
     gl.disable(gl.SCISSOR_TEST);
+  }
+
+  #pointBack(head: RoomPose, matrices: EyeMatrices, eye: Vec3): void {
+    for (const quad of this.#outlook?.wayBack.arrow(head, eye) ?? []) this.#panel.drawQuad(quad, matrices, ARROW);
   }
 
   /** The shot for an eye, which may be at any place, and never rests. */
@@ -165,7 +187,7 @@ export class HeadsetSession {
         if (this.#head) this.#sceneFromRoom = turned(this.#sceneFromRoom, this.#head.position, angle);
       },
       reset: () => {
-        this.#sceneFromRoom = this.#first;
+        this.#sceneFromRoom = this.#head ? standingHere(this.#first, this.#head) : this.#first;
       },
       leave: () => this.leave(),
     };
@@ -186,17 +208,23 @@ export class HeadsetSession {
   /** Continue after the player has filled the restored context. */
   async #restore(): Promise<void> {
     try {
-      this.#panel.attach(this.scene.renderer.splats.gl);
+      this.#attach(this.scene.renderer.splats.gl);
       await this.#layer.create();
     } catch {
       this.leave(); // the page may still restore its picture
     }
   }
 
+  #attach(gl: WebGL2RenderingContext): void {
+    this.#panel.attach(gl);
+    this.#outlook?.attach(gl);
+  }
+
   #end(): void {
     this.#listeners.abort();
     this.#controls.dispose();
     this.#panel.dispose();
+    this.#outlook?.dispose();
     if (this.#resume) this.player.play();
     this.scene.drive(false);
   }

@@ -12,10 +12,13 @@ export interface PanelState {
   readonly time: string;
   /** Whether the scene is muted; null if it has no sound. */
   readonly muted: boolean | null;
+  /** Whether the scene is out of sight. */
+  readonly lost: boolean;
   /** The control under a hand's pointer. */
   readonly pointed: Control | null;
 }
 
+const LOST = ["The scene is out of sight.", "Follow the arrow, or press", "“Start again here”."];
 const HINT = ["Grip or pinch: move the scene", "Both hands: resize it", "A or X: play · B or Y: leave"];
 
 export class PanelPicture {
@@ -49,7 +52,7 @@ export class PanelPicture {
     c.fillStyle = "#9aa3b2";
     c.font = "24px system-ui, sans-serif";
     c.textAlign = "center";
-    HINT.forEach((line, i) => {
+    (state.lost ? LOST : HINT).forEach((line, i) => {
       c.fillText(line, PIXELS.width / 2, 202 + 34 * i);
     });
     return true;

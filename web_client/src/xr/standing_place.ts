@@ -3,7 +3,8 @@
 import { eyeOf, type Pose } from "../camera/pinhole";
 import { add, apply, cross, dot, length, normalise, row, scale, subtract, type Vec3 } from "../camera/vector";
 import type { Manifest } from "../codec/types";
-import { type Similarity, transpose } from "./similarity";
+import type { RoomPose } from "./eye_camera";
+import { compose, motion, type Similarity, transpose, yawOf } from "./similarity";
 
 /** Height of a standing person's eyes above the floor, metres. */
 export const EYE_HEIGHT = 1.6;
@@ -38,6 +39,11 @@ function horizontal(forward: Vec3, up: Vec3, down: Vec3): Vec3 {
   if (length(level) > 1e-3) return normalise(level);
   const topwards = dot(forward, up) > 0 ? down : scale(down, -1); // looking up, the top of the picture is behind
   return normalise(flat(topwards));
+}
+
+/** The place `first`, moved to the position and the direction of a head in the room. */
+export function standingHere(first: Similarity, { position: [x, , z], rotation }: RoomPose): Similarity {
+  return compose(first, motion(-yawOf(rotation), 1, [x, 0, z], [0, 0, 0]));
 }
 
 export interface HeadsetSpace {

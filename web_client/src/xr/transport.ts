@@ -18,13 +18,14 @@ function clockTime(seconds: number): string {
   return `${Math.floor(tenths / 600)}:${rest}`;
 }
 
-export function panelState(player: Playable, pointed: Control | null): PanelState {
+/** @param lost whether the scene is out of sight. */
+export function panelState(player: Playable, pointed: Control | null, lost = false): PanelState {
   const { start, end, currentTime } = player;
   const muted = player.manifest?.audio ? isSilent(player) : null;
-  if (!(end > start)) return { playing: false, moves: false, share: 0, time: "", muted, pointed };
+  if (!(end > start)) return { playing: false, moves: false, share: 0, time: "", muted, pointed, lost };
   const [passed, duration] = [currentTime - start, end - start];
   const time = `${clockTime(passed)} / ${clockTime(duration)}`;
-  return { playing: !player.paused, moves: true, share: passed / duration, time, muted, pointed };
+  return { playing: !player.paused, moves: true, share: passed / duration, time, muted, pointed, lost };
 }
 
 export function sceneCommands(player: Playable): Pick<Commands, "togglePlay" | "toggleMuted" | "scrub" | "seek"> {

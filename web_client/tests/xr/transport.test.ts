@@ -26,6 +26,11 @@ describe("the playhead in a headset", () => {
     expect(panelState(at, null).share).toBeCloseTo(65.25 / 70, 12);
   });
 
+  it.each([true, false])("is shown with whether the scene is out of sight: %s", (lost) => {
+    expect(panelState(player(10, 80), null, lost).lost).toBe(lost);
+    expect(panelState(player(0, 0), null, lost).lost).toBe(lost);
+  });
+
   it("is not shown in a still scene, nor before the scene is there", () => {
     expect(panelState(player(0, 0), null).moves).toBe(false);
     expect(panelState(player(0, Number.NaN), null).moves).toBe(false);
