@@ -37,16 +37,16 @@ def check_fields(
     for field in dataclasses.fields(values):
         value, place = getattr(values, field.name), f"{where}.{field.name}"
         if dataclasses.is_dataclass(field.default_factory) and not isinstance(value, field.default_factory):
-            raise InputError(place, f"{shown(value)} is not an object", "give {field: value}")
+            raise InputError.of_field(place, f"{shown(value)} is not an object", "give {field: value}")
         known = choices[field.name] if field.type == "str" else choices.get(field.name)
         if field.type in ("int", "float"):
             low, high = ranges[field.name] if known is None else (min(known), max(known))
             value = _number(value, str(field.type), place, low, high)
             object.__setattr__(values, field.name, value)  # frozen for everybody else
         elif field.type == "bool" and not isinstance(value, bool):
-            raise InputError(place, f"{shown(value)} is not true or false")
+            raise InputError.of_field(place, f"{shown(value)} is not true or false")
         if known is not None and value not in known:
-            raise InputError(place, f"unknown choice {shown(value)}", f"use {_any_of(known)}")
+            raise InputError.of_field(place, f"unknown choice {shown(value)}", f"use {_any_of(known)}")
 
 
 def with_fields(config: Config, values: Mapping[str, Any], where: str) -> Config:
@@ -62,7 +62,7 @@ def with_fields(config: Config, values: Mapping[str, Any], where: str) -> Config
             inside = [path for path in flat_fields(dataclasses.asdict(config)) if path.endswith(f".{name}")]
             meant = f"did you mean {inside[0]}?" if len(inside) == 1 else did_you_mean(name, known)
             cure = meant or f"known are {', '.join(known)}"
-            raise InputError(f"{where}.{name[:_SHOWN]}", "unknown field", cure)
+            raise InputError.of_field(f"{where}.{name[:_SHOWN]}", "unknown field", cure)
         part = getattr(config, name)
         if dataclasses.is_dataclass(part) and not isinstance(part, type) and isinstance(value, Mapping):
             value = with_fields(part, value, f"{where}.{name}")
@@ -81,13 +81,13 @@ def flat_fields(value: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
 def _number(value: Any, kind: str, where: str, low: float, high: float) -> float:
     cure = f"give a {'whole ' if kind == 'int' else ''}number from {low} to {high}"
     if not isinstance(value, int | float) or isinstance(value, bool):
-        raise InputError(where, f"{shown(value)} is not a number", cure)
+        raise InputError.of_field(where, f"{shown(value)} is not a number", cure)
     if not low <= value <= high:  # NaN lies nowhere
-        raise InputError(where, f"{shown(value)} is out of range", cure)
+        raise InputError.of_field(where, f"{shown(value)} is out of range", cure)
     if kind == "float":
         return float(value)
     if int(value) != value:
-        raise InputError(where, f"{shown(value)} is not a whole number", cure)
+        raise InputError.of_field(where, f"{shown(value)} is not a whole number", cure)
     return int(value)
 
 

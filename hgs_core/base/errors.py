@@ -17,14 +17,23 @@ class InputError(ValueError):
     exits with status 2; the API answers with a 4xx problem document.
     """
 
-    def __init__(self, where: object, problem: str, cure: str = "") -> None:
-        """Join `where` (a file, field or argument), `problem` and, if known, `cure` into one line."""
-        self.where, self.problem, self.cure = (_in_one_line(str(part)) for part in (where, problem, cure))
+    def __init__(self, where: object, problem: str, cure: str = "", field: str = "") -> None:
+        """Join `where` (a file, field or argument), `problem` and, if known, `cure` into one line.
+
+        `field` is the dotted name of the wrong field of a request; "" where a file is wrong.
+        """
+        parts = (where, problem, cure, field)
+        self.where, self.problem, self.cure, self.field = (_in_one_line(str(part)) for part in parts)
         super().__init__(f"{self.where}: {self.problem}" + (f"; {self.cure}" if self.cure else ""))
 
-    def __reduce__(self) -> tuple[type[InputError], tuple[str, str, str]]:
-        """Let the line go from one process to another; of a subclass nothing else."""
-        return InputError, (self.where, self.problem, self.cure)
+    @classmethod
+    def of_field(cls, field: str, problem: str, cure: str = "") -> InputError:
+        """Return the error of a field of a request, at the place of the same name."""
+        return InputError(field, problem, cure, field)
+
+    def __reduce__(self) -> tuple[type[InputError], tuple[str, str, str, str]]:
+        """Let the line and the field go from one process to another; of a subclass nothing else."""
+        return InputError, (self.where, self.problem, self.cure, self.field)
 
 
 def _in_one_line(text: str) -> str:

@@ -17,13 +17,13 @@ def is_storable(text: str) -> bool:
     return _UNSTORABLE.search(text) is None
 
 
-def require_storable(where: str, text: str, longest: int) -> None:
+def require_storable(field: str, text: str, longest: int) -> None:
     """Refuse text that cannot be stored, or of more than `longest` characters.
 
     Raises:
-        InputError: names `where`.
+        InputError: names the field.
     """
     if len(text) > longest:
-        raise InputError(where, f"{len(text)} characters are too many", f"give at most {longest}")
+        raise InputError.of_field(field, f"{len(text)} characters are too many", f"give at most {longest}")
     if not is_storable(text):
-        raise InputError(where, f"{text[:80]!a} holds NUL or half a surrogate pair", "give valid UTF-8 text")
+        raise InputError.of_field(field, f"{text[:80]!a} holds NUL or half a surrogate pair", "give valid UTF-8 text")

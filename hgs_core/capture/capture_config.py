@@ -72,30 +72,32 @@ class CaptureConfig:
 def _check_hold_out(names: tuple[str, ...]) -> None:
     where = "config.capture.hold_out"
     if not isinstance(names, tuple) or not all(isinstance(name, str) for name in names):
-        raise InputError(where, "is not a list of camera names")
+        raise InputError.of_field(where, "is not a list of camera names")
     if len(names) > _MOST_HELD_OUT:
-        raise InputError(where, f"{len(names)} names are too many", f"give at most {_MOST_HELD_OUT}")
+        raise InputError.of_field(where, f"{len(names)} names are too many", f"give at most {_MOST_HELD_OUT}")
     for name in names:
         require_storable(where, name, _LONGEST_NAME)
     twice = next((name for place, name in enumerate(names) if name in names[:place]), None)
     if twice is not None:
-        raise InputError(where, f"camera {twice} is named twice")
+        raise InputError.of_field(where, f"camera {twice} is named twice")
 
 
 def _check_reductions(given: tuple[str, ...]) -> None:
     where = "config.capture.downscale_cameras"
     if not isinstance(given, tuple) or not all(isinstance(one, str) for one in given):
-        raise InputError(where, "is not a list of texts", 'they are like "cam04=4"')
+        raise InputError.of_field(where, "is not a list of texts", 'they are like "cam04=4"')
     if len(given) > _MOST_HELD_OUT:
-        raise InputError(where, f"{len(given)} cameras are too many", f"give at most {_MOST_HELD_OUT}")
+        raise InputError.of_field(where, f"{len(given)} cameras are too many", f"give at most {_MOST_HELD_OUT}")
     low, high = _RANGES["downscale"]
     names = []
     for one in given:
         require_storable(where, one, _LONGEST_NAME)
         name, _, factor = one.rpartition("=")
         if not (name and factor.isascii() and factor.isdigit() and low <= int(factor) <= high):
-            raise InputError(where, f"{one!r} is no camera and factor", f'it is like "cam04=4", from {low} to {high}')
+            raise InputError.of_field(
+                where, f"{one!r} is no camera and factor", f'it is like "cam04=4", from {low} to {high}'
+            )
         names.append(name)
     twice = next((name for place, name in enumerate(names) if name in names[:place]), None)
     if twice is not None:
-        raise InputError(where, f"camera {twice} is named twice")
+        raise InputError.of_field(where, f"camera {twice} is named twice")

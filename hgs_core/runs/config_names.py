@@ -40,4 +40,4 @@ def _merge(target: dict[str, Any], name: str, value: Any, depth: int = 3) -> boo
 
 
 def _twice(name: str, path: tuple[str, ...]) -> InputError:
-    return InputError(f"config.{name[:80]}", f"config.{'.'.join(path)[:80]} is given twice", "give it once")
+    return InputError.of_field(f"config.{name[:80]}", f"config.{'.'.join(path)[:80]} is given twice", "give it once")

@@ -85,7 +85,7 @@ def create_run(
 def _require_enough(config: RunConfig, capture: Capture) -> None:
     left = len(config.capture.training_cameras(capture))
     if left < _MIN_CAMERAS:
-        raise InputError(
+        raise InputError.of_field(
             "config.capture.hold_out",
             f"leaves {left} of {counted(len(capture.cameras), 'camera')} to train on",
             f"keep at least {_MIN_CAMERAS}",

@@ -76,7 +76,7 @@ class RunConfig:
             (3200, 0.1, ('cam00',))
         """
         if preset not in PRESETS:
-            raise InputError("preset", f"unknown preset {preset!r}", f"use one of {', '.join(PRESETS)}")
+            raise InputError.of_field("preset", f"unknown preset {preset!r}", f"use one of {', '.join(PRESETS)}")
         return cls(preset=preset).changed(PRESETS[preset]).changed(overrides)
 
     def changed(self, values: Mapping[str, Any]) -> RunConfig:

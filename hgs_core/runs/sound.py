@@ -34,9 +34,9 @@ def require_sound_file(audio: str) -> str:
     file = Path(audio)
     cure = f"give a file with sound, {CAMERA_SOUND}NAME, {OWN_SOUND} or {NO_SOUND}"
     if not file.is_file():
-        raise InputError(f"--audio {audio}", "there is no such file", cure)
+        raise _refused(audio, "there is no such file", cure)
     if not has_sound(file):
-        raise InputError(f"--audio {audio}", "the file has no sound", cure)
+        raise _refused(audio, "the file has no sound", cure)
     return str(file.resolve())
 
 
@@ -50,10 +50,10 @@ def require_sounding_video(audio: str, videos: Mapping[str, Path | None]) -> Non
     if name is None:
         return
     if name not in videos:
-        raise InputError(f"--audio {audio}", "there is no such camera", f"its cameras are {', '.join(videos)}")
+        raise _refused(audio, "there is no such camera", f"its cameras are {', '.join(videos)}")
     video = videos[name]
     if video is None or not has_sound(video):
-        raise InputError(f"--audio {audio}", "its camera has no video with sound", "give another one, or a file")
+        raise _refused(audio, "its camera has no video with sound", "give another one, or a file")
 
 
 def scene_sound(
@@ -132,7 +132,7 @@ def _video_of(name: str, capture: Capture | None) -> tuple[Path, float]:
         for camera, one in enumerate(capture.cameras):
             if one.name == name and (video := capture.video(camera)) is not None:
                 return video
-    raise InputError(f"--audio {CAMERA_SOUND}{name}", "the run has no video of this camera", "give a file")
+    raise _refused(f"{CAMERA_SOUND}{name}", "the run has no video of this camera", "give a file")
 
 
 def _placed(file: Path, capture: Capture | None) -> float:
@@ -160,3 +160,7 @@ def _coded(cut: CutSound | None, source: object) -> CodedAudio | None:
     chunks = {chunk_id(piece.data): piece.data for piece in cut.pieces}
     pieces = tuple(AudioPiece(chunk_id(one.data), len(one.data), one.start, one.end) for one in cut.pieces)
     return CodedAudio(AudioEntry(cut.codec, cut.sample_rate, cut.channels, pieces), chunks)
+
+
+def _refused(audio: str, problem: str, cure: str) -> InputError:
+    return InputError(f"--audio {audio}", problem, cure, field="audio")

@@ -53,20 +53,22 @@ class JobRequest:
         """
         require_storable("title", self.title, MAX_TITLE)
         if one_line(self.title) != self.title:
-            raise InputError("title", f"{self.title!a} holds control characters", "give one line of text")
-        for where, path in (("capture", self.capture), ("masks", self.masks or ""), ("audio", self.audio)):
-            require_storable(where, str(path), MAX_PATH)
+            raise InputError.of_field("title", f"{self.title!a} holds control characters", "give one line of text")
+        for field, path in (("capture", self.capture), ("masks", self.masks or ""), ("audio", self.audio)):
+            require_storable(field, str(path), MAX_PATH)
         object.__setattr__(self, "labels", checked_labels(self.labels))
         if not -MAX_PRIORITY <= self.priority <= MAX_PRIORITY:
-            raise InputError("priority", f"{self.priority} is out of range", f"give -{MAX_PRIORITY} to {MAX_PRIORITY}")
+            raise InputError.of_field(
+                "priority", f"{self.priority} is out of range", f"give -{MAX_PRIORITY} to {MAX_PRIORITY}"
+            )
         if not (self.time_limit == 0 or 1 <= self.time_limit <= MAX_TIME_LIMIT) or math.isnan(self.time_limit):
-            raise InputError(
+            raise InputError.of_field(
                 "time_limit", f"{self.time_limit:g} s is out of range", "give 1 s to 366 days, or 0 for none"
             )
         if self.webhook:
             WebhookRules.configured().checked(self.webhook)
         if self.key and not _KEY.fullmatch(self.key):
-            raise InputError(
+            raise InputError.of_field(
                 "key", f"{self.key[:80]!a} is no idempotency key", "give 1 to 255 visible ASCII characters"
             )
 

@@ -54,10 +54,14 @@ def checked_labels(labels: Iterable[str]) -> tuple[str, ...]:
     """
     found = tuple(dict.fromkeys(labels))
     if len(found) > MAX_LABELS:
-        raise InputError("labels", f"{len(found)} are too many", f"give at most {MAX_LABELS}")
+        raise InputError.of_field("labels", f"{len(found)} are too many", f"give at most {MAX_LABELS}")
     for label in found:
         if not 0 < len(label) <= MAX_LABEL_LENGTH:
-            raise InputError("labels", f"{label[:80]!a} has {len(label)} characters", f"use 1 to {MAX_LABEL_LENGTH}")
+            raise InputError.of_field(
+                "labels", f"{label[:80]!a} has {len(label)} characters", f"use 1 to {MAX_LABEL_LENGTH}"
+            )
         if not is_storable(label) or not label.isprintable() or any(one.isspace() or one == "," for one in label):
-            raise InputError("labels", f"{label!a} holds a space, a comma or a control character", "use - instead")
+            raise InputError.of_field(
+                "labels", f"{label!a} holds a space, a comma or a control character", "use - instead"
+            )
     return found

@@ -61,20 +61,20 @@ class WebhookRules:
             parts = urlsplit(url)
             port = parts.port
         except ValueError as error:
-            raise InputError("webhook", f"{url[:200]!a} is no URL ({error})") from error
+            raise InputError.of_field("webhook", f"{url[:200]!a} is no URL ({error})") from error
         host = (parts.hostname or "").lower()
         plain = is_storable(url) and url.isascii() and url.isprintable() and " " not in url
         if len(url) > _LONGEST or not plain or not host or port == 0 or parts.username is not None or parts.fragment:
             cure = f"give one of at most {_LONGEST} characters as https://HOST/PATH, without a user and a fragment"
-            raise InputError("webhook", f"{url[:200]!a} is no URL for webhooks", cure)
+            raise InputError.of_field("webhook", f"{url[:200]!a} is no URL for webhooks", cure)
         if parts.scheme not in (("https", "http") if self.private else ("https",)):
-            raise InputError("webhook", f"{parts.scheme}:// is not allowed", "use https://")
+            raise InputError.of_field("webhook", f"{parts.scheme}:// is not allowed", "use https://")
         if not _is_host(host):
             cure = "its host is a name with labels of 1 to 63 letters, digits and hyphens, or an address"
-            raise InputError("webhook", f"{host[:300]!a} is no host", cure)
+            raise InputError.of_field("webhook", f"{host[:300]!a} is no host", cure)
         if not any(_fits(host, port or _DEFAULT_PORTS[parts.scheme], one) for one in self.hosts):
             cure = "the operator allows hosts by HGS_WEBHOOK_HOSTS"
-            raise InputError("webhook", f"{parts.netloc[:200]} is not a host that may be told", cure)
+            raise InputError.of_field("webhook", f"{parts.netloc[:200]} is not a host that may be told", cure)
         return parts
 
     def addresses(self, parts: SplitResult) -> list[str]:

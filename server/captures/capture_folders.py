@@ -67,15 +67,15 @@ class CaptureFolders:
             inside = [path for path in candidates if self.allows(path)]
             found = next((path for path in inside if path.is_dir()), None)
         except (OSError, RuntimeError, ValueError) as error:  # too long, a loop of links, not valid text
-            raise InputError("capture", f"{capture[:80]!r} is not a path") from error
+            raise InputError.of_field("capture", f"{capture[:80]!r} is not a path") from error
         if not inside:
             raise _outside("capture", capture)
         if found is None:
-            raise InputError("capture", f"{capture!r} is not a folder", "give the folder of a capture")
+            raise InputError.of_field("capture", f"{capture!r} is not a folder", "give the folder of a capture")
         return found
 
-    def locate_file(self, where: str, file: str, capture: Path) -> Path:
-        """Return the absolute path of a file named by a client in the field `where`, searched in `capture` first.
+    def locate_file(self, field: str, file: str, capture: Path) -> Path:
+        """Return the absolute path of a file named by a client in a field of the request, searched in `capture` first.
 
         Raises:
             ProblemError: 403, the path lies outside the folders, by `..` or a symbolic link too.
@@ -85,11 +85,13 @@ class CaptureFolders:
             inside = [path for folder in (capture, *self.readable) if self.allows(path := (folder / file).resolve())]
             found = next((path for path in inside if path.is_file()), None)
         except (OSError, RuntimeError, ValueError) as error:
-            raise InputError(where, f"{file[:80]!r} is not a path") from error
+            raise InputError.of_field(field, f"{file[:80]!r} is not a path") from error
         if not inside:
-            raise _outside(where, file)
+            raise _outside(field, file)
         if found is None:
-            raise InputError(where, f"there is no file {file!r}", "give its path in the capture, or its absolute path")
+            raise InputError.of_field(
+                field, f"there is no file {file!r}", "give its path in the capture, or its absolute path"
+            )
         return found
 
     def require_inner_links(self, capture: Path) -> None:
@@ -105,7 +107,9 @@ class CaptureFolders:
             for entry in _entries(folder):
                 looked_at += 1
                 if looked_at > _MOST_ENTRIES:
-                    raise InputError("capture", f"{capture.name!r} has more than {_MOST_ENTRIES:,} files and folders")
+                    raise InputError.of_field(
+                        "capture", f"{capture.name!r} has more than {_MOST_ENTRIES:,} files and folders"
+                    )
                 if entry.is_symlink() and not self.allows(Path(os.path.realpath(entry.path))):
                     link = Path(entry.path).relative_to(capture)
                     raise ProblemError(
@@ -123,9 +127,9 @@ def _name_of(folder: str) -> Callable[[re.Match[str]], str]:
     return lambda found: "" if found[0].endswith("/") else Path(folder).name
 
 
-def _outside(where: str, path: str) -> ProblemError:
-    detail = f"{where} {path!r}: lies outside the folders the server may read; add its folder to {SETTING}"
-    return ProblemError(403, "capture-outside", detail, field=where)
+def _outside(field: str, path: str) -> ProblemError:
+    detail = f"{field} {path!r}: lies outside the folders the server may read; add its folder to {SETTING}"
+    return ProblemError(403, "capture-outside", detail, field=field)
 
 
 def _entries(folder: Path) -> list[os.DirEntry[str]]:

@@ -135,7 +135,7 @@ def _told(read: Callable[[], dict[str, Any]]) -> dict[str, Any]:
     except ProblemError as error:
         return {"problem": {"status": error.status, "code": error.code, "detail": error.detail}}
     except InputError as error:
-        return {"refused": [error.where, error.problem, error.cure]}
+        return {"refused": [error.where, error.problem, error.cure, error.field]}
     except Exception as error:
         if isinstance(error, OSError) and error.errno in _OF_THE_SERVER:
             return {"errno": error.errno, "error": str(error)}

@@ -30,6 +30,8 @@ __all__ = ["router"]
 router = APIRouter(prefix="/v1")
 
 _PATIENCE = 5.0  # seconds that a response waits for a running check
+_CODES = {"capture": "capture-invalid", "config": "config-invalid", "preset": "config-invalid"}
+_PLACES = {"config.capture.hold_out": "hold_out", "key": "Idempotency-Key"}  # places outside the config and the body
 
 
 class Submission(BaseModel):
@@ -97,9 +99,6 @@ def _asked(service: Service, submission: Submission, key: str) -> JobRequest:
     """Return the job request, checked as far as possible without reading files."""
     try:
         config = _config(submission)
-    except InputError as error:
-        raise ProblemError(422, "config-invalid", str(error), field=_field(error)) from error
-    try:
         capture = service.captures.locate(submission.capture)
         audio = submission.audio
         if audio not in (OWN_SOUND, NO_SOUND) and camera_of_sound(audio) is None:
@@ -132,15 +131,10 @@ def _submit(service: Service, asked: JobRequest) -> Job:
 
 def _refused(service: Service, error: InputError) -> ProblemError:
     """Return the problem for an invalid request."""
-    told = service.captures.shown(str(error))
-    if error.where in ("title", "labels", "priority", "time_limit", "webhook", "key"):
-        field = "Idempotency-Key" if error.where == "key" else error.where
-        return ProblemError(422, "body-invalid", told, field=field)
-    if error.where == "audio" or error.where.startswith("--audio"):
-        return ProblemError(422, "body-invalid", told.removeprefix("--"), field="audio")
-    if error.where.startswith("config"):  # the capture does not fit the config
-        return ProblemError(422, "config-invalid", told, field=_field(error))
-    return ProblemError(422, "capture-invalid", told, field="capture")
+    told = service.captures.shown(str(error)).removeprefix("--")  # the command line's spelling of a field
+    field = error.field or "capture"  # a file is one of the capture
+    code = _CODES.get(field.partition(".")[0], "body-invalid")
+    return ProblemError(422, code, told, field=_PLACES.get(field, field))
 
 
 def _config(submission: Submission) -> RunConfig:
@@ -151,8 +145,3 @@ def _config(submission: Submission) -> RunConfig:
             place = "config.preset" if name == "preset" else "config.capture.hold_out"
             raise ProblemError(422, "config-invalid", f"{place}: give {name} beside config", field=place)
     return RunConfig.for_preset(submission.preset, **overrides).changed({"capture.hold_out": submission.hold_out})
-
-
-def _field(error: InputError) -> str:
-    """Return the request's field of a config error: held-out cameras stand beside the config."""
-    return error.where if error.where != "config.capture.hold_out" else "hold_out"

@@ -19,6 +19,16 @@ def test_the_message_is_one_line_of_place_problem_and_cure_if_there_is_one(cure:
 
 
 def test_an_error_goes_from_one_process_to_another() -> None:
-    error = InputError("seed", "is -1", "give 0 or more")
+    error = InputError("--seed", "is -1", "give 0 or more", field="config.seed")
     copy = pickle.loads(pickle.dumps(error))
-    assert (type(copy), str(copy), copy.where, copy.cure) == (InputError, str(error), "seed", "give 0 or more")
+    assert (type(copy), str(copy), copy.where, copy.cure) == (InputError, str(error), "--seed", "give 0 or more")
+    assert copy.field == "config.seed"
+
+
+def test_the_name_of_a_field_is_its_place_in_the_message() -> None:
+    error = InputError.of_field("title", "is too long")
+    assert (error.field, str(error), InputError("title.txt", "is too long").field) == (
+        "title",
+        "title: is too long",
+        "",
+    )

@@ -82,8 +82,11 @@ def test_a_camera_must_be_there_and_have_sound(videos: Path) -> None:
     assert require_sound_file("camera:b") == "camera:b"
     require_sounding_video("camera:b", named)
     require_sounding_video("auto", {})
-    with pytest.raises(InputError, match="camera:z: there is no such camera; its cameras are a, b, c, photographed"):
+    with pytest.raises(
+        InputError, match="camera:z: there is no such camera; its cameras are a, b, c, photographed"
+    ) as refused:
         require_sounding_video("camera:z", named)
+    assert refused.value.field == "audio"
     for silent in ("a", "photographed"):
         with pytest.raises(InputError, match="has no video with sound"):
             require_sounding_video(f"camera:{silent}", named)

@@ -12,7 +12,7 @@ from jobs.queue.job_request import JobRequest
 
 
 @pytest.mark.parametrize(
-    ("fields", "where"),
+    ("fields", "field"),
     [
         ({"title": "x" * 201}, "title"),
         ({"title": "a\0b"}, "title"),
@@ -34,11 +34,11 @@ from jobs.queue.job_request import JobRequest
     ],
 )
 def test_text_that_cannot_be_stored_or_shown_is_refused_by_name(
-    tmp_path: Path, fields: dict[str, Any], where: str
+    tmp_path: Path, fields: dict[str, Any], field: str
 ) -> None:
     with pytest.raises(InputError) as refused:
         JobRequest(**{"capture": tmp_path, "config": RunConfig(), **fields})
-    assert refused.value.where == where
+    assert refused.value.field == field
     str(refused.value).encode()
 
 

@@ -112,6 +112,13 @@ def test_memory_is_limited_as_the_stage_is(home: Home, tmp_path: Path, monkeypat
         answered(told, tmp_path / "capture")
 
 
+def test_the_field_of_a_refusal_reaches_the_server(home: Home, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    refusal = "from hgs_core.base.errors import InputError; raise InputError('--audio a', 'is none', field='audio')"
+    with pytest.raises(InputError, match="--audio a: is none") as refused:
+        answered(create_with(home, tmp_path, monkeypatch, refusal, 60), tmp_path / "capture")
+    assert refused.value.field == "audio"
+
+
 def test_processor_time_is_limited(home: Home, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(ReaderEndedError, match="takes more processor time") as raised:
         create_with(home, tmp_path, monkeypatch, "while True: pass", 0)

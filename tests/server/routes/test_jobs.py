@@ -111,7 +111,7 @@ def test_the_sound_of_a_job_is_a_choice_or_a_file_that_the_server_may_read(serve
     assert told == asked == ["auto", "none", "camera:cam01", str(file), str(file)]
     response = server.request("POST", "/v1/jobs", json={"capture": "studio", "audio": "/etc/hostname"})
     assert assert_problem(response, 403, "capture-outside", "HGS_CAPTURES")["field"] == "audio"
-    server.jobs.refuse = InputError("--audio camera:cam09", "there is no such camera")
+    server.jobs.refuse = InputError("--audio camera:cam09", "there is no such camera", field="audio")
     response = server.request("POST", "/v1/jobs", json={"capture": "studio", "audio": "camera:cam09"})
     problem = assert_problem(response, 422, "body-invalid", "audio camera:cam09: there is no such camera")
     assert problem["field"] == "audio"
@@ -135,7 +135,7 @@ def test_captures_that_cannot_be_read_are_422(server: Any) -> None:
 
 
 def test_hold_out_that_the_capture_lacks_is_a_bad_config(server: Any) -> None:
-    server.jobs.refuse = InputError("config.capture.hold_out", "no camera 99")
+    server.jobs.refuse = InputError.of_field("config.capture.hold_out", "no camera 99")
     problem = assert_problem(server.request("POST", "/v1/jobs", json={"capture": "studio"}), 422, "config-invalid")
     assert problem["field"] == "hold_out"
 
