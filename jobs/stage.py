@@ -38,7 +38,7 @@ from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback, StageStopped, stop_if_interruptible
 from hgs_core.runs.run_folder import RunFolder
 from jobs.home.home import Home
-from jobs.home.passing_faults import reason_to_wait
+from jobs.home.passing_faults import passing_fault
 from jobs.home.stage_settings import HELP, SHOW, STAGES
 from jobs.process.file_limits import met_file_limit
 from jobs.process.limited import limit_stage
@@ -122,11 +122,11 @@ def _explain(error: Exception, report: IO[str]) -> int:
         _send(report, error.outcome)
         return LATER if error.outcome["waiting"] else FAILED
     limit = met_file_limit(error)  # too many open files: of a worker that passes, but of a stage it would come again
-    reason = "" if limit else reason_to_wait(error)
+    fault = None if limit else passing_fault(error)
     if limit:
         _send(report, {"error": limit})
-    elif reason:
-        _send(report, {"waiting": reason})
+    elif fault is not None:
+        _send(report, {"waiting": fault.reason})
     elif isinstance(error, InputError):
         _send(report, {"error": str(error)})
         return BAD_INPUT
@@ -137,7 +137,7 @@ def _explain(error: Exception, report: IO[str]) -> int:
         _send(report, {"error": f"{type(error).__name__}: {summary}"})
     with contextlib.suppress(OSError):  # the log may lie on the disk that is full
         traceback.print_exception(error)
-    return LATER if reason else FAILED
+    return FAILED if fault is None else LATER
 
 
 def _run(

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 import sqlalchemy as sa
 
-from jobs.home.passing_faults import one_line, reason_to_wait
+from jobs.home.passing_faults import one_line, passing_fault
 
 __all__ = ["DATABASE_FAULTS", "persist"]
 
@@ -27,7 +27,7 @@ async def persist(write: Callable[..., Result], *arguments: Any) -> Result:
         try:
             return await asyncio.to_thread(write, *arguments)
         except Exception as error:
-            if not isinstance(error, DATABASE_FAULTS) and not reason_to_wait(error):
+            if not isinstance(error, DATABASE_FAULTS) and passing_fault(error) is None:
                 raise
             log.warning("will try again in %g s: %s", wait, one_line(error))
         await asyncio.sleep(wait)

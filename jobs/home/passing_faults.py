@@ -6,10 +6,12 @@ import errno
 import os
 import re
 from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import StrEnum
 
 from obstore.exceptions import BaseError
 
-__all__ = ["chain", "one_line", "reason_to_wait"]
+__all__ = ["Cause", "PassingFault", "chain", "one_line", "passing_fault"]
 
 LONGEST = 200  # characters of a reason
 _TOOK = re.compile(r" in \d[\d.]*[nµm]?s(?= )")  # how long a request took: another time each time
@@ -23,18 +25,35 @@ _PASSING = {
 }
 
 
-def reason_to_wait(error: BaseException) -> str:
-    """Return in one line which fault of the store, a disk or a mount made a stage fail; "" if it was none of these.
+class Cause(StrEnum):
+    """The causes of waiting."""
+
+    HOME = "home"
+    DISK = "disk"
+    STORE = "store"
+    CAPTURE = "capture"
+
+
+@dataclass(frozen=True)
+class PassingFault:
+    """A fault of the store, a disk or a mount, in one line."""
+
+    reason: str
+    cause: Cause | None = None  # None: a disk or a mount, unknown which
+
+
+def passing_fault(error: BaseException) -> PassingFault | None:
+    """Return the fault of the store, a disk or a mount that made a stage fail; None if it was none of these.
 
     Looks also at what the error was raised from, or while: libraries replace the system's errors by their own.
     """
     for cause in chain(error):
         if isinstance(cause, BaseError):
-            return f"the store fails: {one_line(_TOOK.sub('', str(cause)))}"
+            return PassingFault(f"the store fails: {one_line(_TOOK.sub('', str(cause)))}", Cause.STORE)
         if isinstance(cause, OSError) and cause.errno in _PASSING:
             where = f"{cause.filename}: " if cause.filename else ""
-            return one_line(f"{where}{os.strerror(cause.errno)}")
-    return ""
+            return PassingFault(one_line(f"{where}{os.strerror(cause.errno)}"))
+    return None
 
 
 def one_line(error: object) -> str:

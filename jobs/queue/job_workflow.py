@@ -18,7 +18,7 @@ from hgs_core.base.progress import Progress
 from jobs.artifacts.artifact_store import open_store
 from jobs.home.database_faults import DATABASE_FAULTS, persist
 from jobs.home.home import Home
-from jobs.home.passing_faults import one_line, reason_to_wait
+from jobs.home.passing_faults import Cause, one_line, passing_fault
 from jobs.home.stage_settings import STAGES
 from jobs.process.stage_outcome import StageOutcome
 from jobs.process.stage_pace import StagePace
@@ -27,7 +27,7 @@ from jobs.queue.enqueue import TRAIN_JOB, ask_for_help, enqueue, workflow_id
 from jobs.records.job import JobState
 from jobs.records.job_table import JobTable
 from jobs.runs.progress_log import CourseWriter
-from jobs.runs.readiness import Cause, Missing, Surroundings
+from jobs.runs.readiness import Missing, Surroundings
 from jobs.runs.run_saving import RunSaving
 from jobs.runs.shared_segments import MADE, SEGMENTS
 
@@ -163,7 +163,8 @@ class TrainingWorkflow:
             try:
                 outcome = await self._saved_stage(stage, job_id, attempt, on_progress)
             except OSError as error:  # it could not even be started
-                outcome = StageOutcome(one_line(error), reason_to_wait(error))
+                fault = passing_fault(error)
+                outcome = StageOutcome(one_line(error), "" if fault is None else fault.reason)
             if not outcome.killed or self.saving.taken((job_id, attempt)):
                 break
             log.warning("%s, start %d of %d without progress: %s", job_id, tries, STAGE_TRIES, outcome.error)

@@ -13,12 +13,13 @@ from pathlib import Path
 
 from dbos import DBOS
 
+from jobs.home.passing_faults import Cause
 from jobs.process.stage_runner import StageRunner
 from jobs.queue.enqueue import TRAINING_QUEUE, workflow_id
 from jobs.queue.job_workflow import MAX_TAKE_OVERS
 from jobs.queue.liveness import Liveness
 from jobs.records.job_table import JobTable
-from jobs.runs.readiness import Cause, Surroundings
+from jobs.runs.readiness import Surroundings
 
 __all__ = ["Recovery"]
 

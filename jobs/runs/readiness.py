@@ -11,7 +11,6 @@ import shutil
 import threading
 import time
 from dataclasses import dataclass
-from enum import StrEnum
 from pathlib import Path
 
 from obstore.exceptions import BaseError
@@ -19,24 +18,15 @@ from obstore.exceptions import BaseError
 from jobs.artifacts.artifact_store import ArtifactStore
 from jobs.home.home import Home
 from jobs.home.home_identity import HomeIdentity
-from jobs.home.passing_faults import one_line, reason_to_wait
+from jobs.home.passing_faults import Cause, one_line, passing_fault
 from jobs.process.lasting_thread import lasting_thread
 
-__all__ = ["Cause", "Missing", "Surroundings"]
+__all__ = ["Missing", "Surroundings"]
 
 # Bytes left on a disk that counts as full: libraries hide the error, and remove what they could not write.
 FULL = 1 << 20
 STORE_INTERVAL = 10.0  # seconds between two looks at the store
 STORE_HANGS = 10.0  # seconds after which a look that has not ended says enough
-
-
-class Cause(StrEnum):
-    """The causes of waiting."""
-
-    HOME = "home"
-    DISK = "disk"
-    STORE = "store"
-    CAPTURE = "capture"
 
 
 @dataclass(frozen=True)
@@ -79,7 +69,8 @@ class Surroundings:
         try:
             ArtifactStore(self._home.store_url, once=True).scene_entry("no-such-scene")
         except (BaseError, OSError, ValueError) as error:
-            return Missing(Cause.STORE, reason_to_wait(error) or f"the store fails: {one_line(error)}")
+            fault = passing_fault(error)
+            return Missing(Cause.STORE, fault.reason if fault else f"the store fails: {one_line(error)}")
         return None
 
     def is_back(self, cause: Cause, capture: Path) -> bool:

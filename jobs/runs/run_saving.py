@@ -19,9 +19,8 @@ from pathlib import Path
 
 from jobs.home.home import Home
 from jobs.home.object_store import open_object_store
-from jobs.home.passing_faults import one_line, reason_to_wait
+from jobs.home.passing_faults import one_line, passing_fault
 from jobs.process.stage_outcome import StageOutcome
-from jobs.runs.readiness import Cause
 from jobs.runs.run_transfer import QUIET, RunState, run_prefix
 from jobs.runs.stored_captures import StoredCaptures, capture_of, is_upload
 from jobs.runs.stored_run import RunHead, RunTakenError, StoredRun
@@ -206,7 +205,10 @@ def _outcome_of(move: Callable[[], None]) -> StageOutcome:
     except RunTakenError:
         return _TAKEN
     except Exception as error:
-        reason = reason_to_wait(error)
-        cause = Cause.STORE if reason.startswith("the store fails") else ""
-        return StageOutcome("" if reason else one_line(error), reason, cause=cause)
+        fault = passing_fault(error)
+        return (
+            StageOutcome(one_line(error))
+            if fault is None
+            else StageOutcome(waiting=fault.reason, cause=fault.cause or "")
+        )
     return StageOutcome()

@@ -11,12 +11,18 @@ from obstore.exceptions import BaseError
 
 from hgs_core.base.errors import InputError
 from jobs.home.object_store import open_object_store
-from jobs.home.passing_faults import one_line, reason_to_wait
+from jobs.home.passing_faults import Cause, one_line, passing_fault
+
+
+def reason_of(error: BaseException) -> str:
+    fault = passing_fault(error)
+    assert fault is not None
+    return fault.reason
 
 
 @pytest.mark.parametrize("code", [errno.ENOSPC, errno.EDQUOT, errno.EIO, errno.ESTALE, errno.EROFS, errno.ECONNREFUSED])
 def test_the_disk_the_mounts_and_the_network_are_waited_for(code: int) -> None:
-    assert reason_to_wait(OSError(code, os.strerror(code), "/data/x")) == f"/data/x: {os.strerror(code)}"
+    assert reason_of(OSError(code, os.strerror(code), "/data/x")) == f"/data/x: {os.strerror(code)}"
 
 
 @pytest.mark.parametrize(
@@ -30,17 +36,17 @@ def test_the_disk_the_mounts_and_the_network_are_waited_for(code: int) -> None:
     ],
 )
 def test_failures_are_not(error: Exception) -> None:
-    assert reason_to_wait(error) == ""
+    assert passing_fault(error) is None
 
 
 def test_the_cause_counts_and_what_an_error_was_raised_in_place_of() -> None:
     full = OSError(errno.ENOSPC, "No space left on device")
     wrapped = InputError("points.npz", "cannot be written")
     wrapped.__cause__ = full
-    assert reason_to_wait(wrapped) == "No space left on device"
+    assert reason_of(wrapped) == "No space left on device"
     hidden = RuntimeError("unexpected pos 704 vs 598")  # torch's error on a full disk
     hidden.__context__ = full
-    assert reason_to_wait(hidden) == "No space left on device"
+    assert reason_of(hidden) == "No space left on device"
 
 
 def test_a_full_disk_is_seen_behind_what_libraries_raise() -> None:
@@ -48,10 +54,10 @@ def test_a_full_disk_is_seen_behind_what_libraries_raise() -> None:
 
     with Path("/dev/full").open("wb", buffering=0) as file, pytest.raises((OSError, RuntimeError)) as raised:
         torch.save(torch.zeros(1_000_000), file)
-    assert reason_to_wait(raised.value) == "No space left on device"
+    assert reason_of(raised.value) == "No space left on device"
     with Path("/dev/full").open("wb", buffering=0) as file, pytest.raises(OSError, match="No space left") as failed:
         np.savez(file, a=np.zeros(1_000_000))
-    assert reason_to_wait(failed.value) == "No space left on device"
+    assert reason_of(failed.value) == "No space left on device"
 
 
 def test_a_store_is_waited_for_in_one_short_line(tmp_path: Path) -> None:
@@ -59,14 +65,17 @@ def test_a_store_is_waited_for_in_one_short_line(tmp_path: Path) -> None:
     (tmp_path / "chunks").touch()
     with pytest.raises(Exception, match="Debug source") as raised:
         obstore.put(store, "chunks/a", b"a", mode="create")
-    reason = reason_to_wait(raised.value)
+    fault = passing_fault(raised.value)
+    assert fault is not None
+    assert fault.cause is Cause.STORE
+    reason = fault.reason
     assert reason.startswith("the store fails: Generic LocalFileSystem error: ")
     assert "Debug source" not in reason
 
 
 def test_how_long_a_store_did_not_answer_is_left_out() -> None:
     error = BaseError("Error performing HEAD http://127.0.0.1:9/a in 75.423µs - HTTP error")
-    assert reason_to_wait(error) == "the store fails: Error performing HEAD http://127.0.0.1:9/a - HTTP error"
+    assert reason_of(error) == "the store fails: Error performing HEAD http://127.0.0.1:9/a - HTTP error"
 
 
 def test_long_messages_are_cut() -> None:

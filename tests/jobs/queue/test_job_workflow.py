@@ -21,6 +21,7 @@ from hgs_core.base.progress import Progress
 from jobs.artifacts.artifact_store import ArtifactStore
 from jobs.home.database import create_engine, open_client, prepare_database
 from jobs.home.home import Home
+from jobs.home.passing_faults import Cause
 from jobs.process.stage_outcome import StageOutcome
 from jobs.process.stage_runner import StageRunner
 from jobs.queue import job_workflow as workflows
@@ -28,7 +29,7 @@ from jobs.queue.job_workflow import TrainingWorkflow
 from jobs.records.job import Job, JobState
 from jobs.records.job_table import JobTable, metadata
 from jobs.runs.progress_log import read_course
-from jobs.runs.readiness import Cause, Missing, Surroundings
+from jobs.runs.readiness import Missing, Surroundings
 from jobs.runs.run_saving import RunSaving
 
 AWAY = StageOutcome(waiting="the store is away", cause="store")

@@ -13,7 +13,8 @@ import pytest
 
 from jobs.home.home import Home
 from jobs.home.home_identity import FILE, HomeIdentity
-from jobs.runs.readiness import Cause, Surroundings
+from jobs.home.passing_faults import Cause
+from jobs.runs.readiness import Surroundings
 
 
 @pytest.fixture

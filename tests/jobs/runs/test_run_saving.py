@@ -15,9 +15,9 @@ from obstore.exceptions import GenericError
 from obstore.store import MemoryStore, ObjectStore
 
 from jobs.home.home import Home
+from jobs.home.passing_faults import Cause
 from jobs.process.stage_outcome import StageOutcome
 from jobs.runs import run_saving
-from jobs.runs.readiness import Cause
 from jobs.runs.run_saving import RunSaving
 from jobs.runs.run_transfer import RunState
 from jobs.runs.stored_run import RunHead, StoredRun
