@@ -1,4 +1,4 @@
-"""What is behind the scene in a headset, and the way back for who has lost sight of it."""
+"""The backdrop of the scene in a headset, and the way back to it."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def test_who_looks_away_is_shown_the_way_back(browser: Browser, site: Site) -> N
         wait(headset, 2000)
         for eye, backdrop in zip(headset.pictures(), headset.backdrops(), strict=True):
             arrow = eye[:, :, :3] - backdrop > 0.4
-            height = headset.height * 7 // 15  # of the eyes; the panel is below
+            height = headset.height * 7 // 15  # eye level; the panel is below
             assert arrow[height - 30 : height + 30].any()
             assert arrow[height + 30 :].any()
         aim_at_panel(headset, 174, 226, ROUND)

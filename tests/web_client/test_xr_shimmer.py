@@ -37,7 +37,7 @@ def test_thin_lines_shimmer_half_as_much_as_without_compensation(browser: Browse
     scene = grid_site.scene
     pictures, plain, truths = [], [], []
     with headset_page(browser, grid_site, "", size=(SIZE, SIZE)) as headset:
-        headset.enter("Show in this room")  # with nothing behind the lines, as in the truth
+        headset.enter("Show in this room")  # no backdrop, as in the truth
         camera = grid_site.cameras[0]
         units = headset.scene_from_room(camera)[1]
         pixel = 2.5 / units / (SIZE / 1.5)  # metres that the head moves while the grid moves by a pixel
