@@ -159,7 +159,7 @@ class Headset:
         return left, right
 
     def backdrops(self) -> tuple[Doubles, Doubles]:
-    """Run a frame and return the pictures of both eyes without splats, panel and arrow, [H, W, 3]."""
+        """Run a frame and return the pictures of both eyes without splats, panel and arrow, [H, W, 3]."""
         self.page.evaluate("() => { headset.bare = true; }")
         left, right = self.pictures()
         self.page.evaluate("() => { headset.bare = false; }")
