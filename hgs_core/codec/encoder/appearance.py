@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from hgs_core.base.arrays import Doubles, Whole
-from hgs_core.codec.encoder.prepare import Prepared
+from hgs_core.codec.encoder.prepare import PreparedStatics
 from hgs_core.codec.encoder.rate_distortion import choose, neighbours
 from hgs_core.codec.encoder.rotation_coding import turn_between, vector_to_quats
 from hgs_core.codec.encoder.steps import TURN_AGAINST_SCALE, Steps, screen_deviations
@@ -18,12 +18,12 @@ COARSEST_ROTATION_ROUNDING = 9  # powers of two by which a rotation's numbers ma
 THINNEST_AXIS = 1e-3  # share of the blur; thinner axes count as this thick
 
 
-def appearance_numbers(splats: Prepared, steps: Steps) -> dict[str, Whole]:
+def appearance_numbers(splats: PreparedStatics, steps: Steps) -> dict[str, Whole]:
     """Return the numbers [N, C] of log_scale, opacity and rgb, in multiples of the chunk's steps."""
     return {
         "log_scale": _scale_numbers(splats, steps),
-        "opacity": _plain_numbers(uneased(splats.values["opacity"]), steps.opacity, steps.own_opacity, low=1),
-        "rgb": _plain_numbers(splats.values["rgb"], steps.rgb, steps.own_rgb, chain=True),
+        "opacity": _plain_numbers(uneased(splats.opacity), steps.opacity, steps.own_opacity, low=1),
+        "rgb": _plain_numbers(splats.rgb, steps.rgb, steps.own_rgb, chain=True),
     }
 
 
@@ -36,13 +36,13 @@ def _plain_numbers(values: Doubles, step: float, own: Doubles, *, low: int | Non
     return choose(candidates, cost, chain=chain)
 
 
-def _scale_numbers(splats: Prepared, steps: Steps) -> Whole:
+def _scale_numbers(splats: PreparedStatics, steps: Steps) -> Whole:
     """Return multiples of the shape step, chosen among those that differ by about a step once they are blurred.
 
     An axis much thinner than the blur has few numbers to choose from; a long one has all. Where thin axes decide how
     strong a splat is (antialiasing), numbers beside the plain ones, finely and coarsely, are candidates too.
     """
-    log_scales, strength = splats.values["log_scale"], splats.values["strength_by_scale"]
+    log_scales, strength = splats.log_scale, splats.strength_by_scale
     floor = np.log(steps.blur)
     exact = (np.logaddexp(2 * log_scales, 2 * floor) / 2 - floor) / steps.shape  # steps above the blur alone
     candidates = np.maximum(neighbours(exact), 0)
@@ -69,15 +69,15 @@ def _scale_numbers(splats: Prepared, steps: Steps) -> Whole:
     return choose(found, (off * weight**2).sum(axis=2), chain=True)
 
 
-def turning_cost(splats: Prepared, turns: Doubles, own_shape: Doubles) -> Doubles:
+def turning_cost(splats: PreparedStatics, turns: Doubles, own_shape: Doubles) -> Doubles:
     """Return the squared errors [N, ...] in squared steps of turning splats about their axes by `turns` [N, ..., 3]."""
     a, b, c = screen_deviations(splats).T
     uneven = np.stack([b / c - c / b, a / c - c / a, a / b - b / a], axis=1) / own_shape[:, None]
-    weight = TURN_AGAINST_SCALE * uneven**2 + splats.values["strength_by_turn"] / own_shape[:, None] ** 2
+    weight = TURN_AGAINST_SCALE * uneven**2 + splats.strength_by_turn / own_shape[:, None] ** 2
     return np.asarray((turns**2 * weight.reshape(len(weight), *(1,) * (turns.ndim - 2), 3)).sum(axis=-1))
 
 
-def rotation_numbers(splats: Prepared, quats: Doubles, steps: Steps) -> Whole:
+def rotation_numbers(splats: PreparedStatics, quats: Doubles, steps: Steps) -> Whole:
     """Return the numbers [N, 3] of the vector parts of canonical quaternions [N, 4].
 
     Candidates are coarser roundings, the turn about each axis left out (a needle or a disc looks the same however it

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from hgs_core.base.arrays import Doubles
 from hgs_core.codec.encoder.encode_dynamic import SegmentTime
 from hgs_core.codec.encoder.encode_settings import EncodeSettings
-from hgs_core.codec.encoder.prepare import Prepared
+from hgs_core.codec.encoder.prepare import PreparedDynamics, PreparedStatics
 from hgs_core.codec.encoder.steps import FINEST_SHARE, ideal_position_steps
 from hgs_core.codec.encoder.utility import grades
 
@@ -33,11 +33,11 @@ class Layer:
     slice: int = 0  # first slice of dynamic splats' lives
 
 
-def static_layers(splats: Prepared, settings: EncodeSettings) -> list[Layer]:
+def static_layers(splats: PreparedStatics, settings: EncodeSettings) -> list[Layer]:
     """Cut static splats into chunks of like grade, those that show most first."""
     everyone = np.arange(len(splats))
     layers = [
-        Layer(part, float(splats.values["utility"][part].mean()))
+        Layer(part, float(splats.utility[part].mean()))
         for part in _like(everyone, splats, settings, settings.static_chunk_splats)
     ]
     return sorted(layers, key=lambda layer: -layer.utility)
@@ -49,7 +49,9 @@ def slice_limits(time: SegmentTime, until: float, settings: EncodeSettings) -> t
     return np.linspace(time.start, until, count + 1), np.linspace(0.0, time.shown_until, count + 1)
 
 
-def dynamic_layers(splats: Prepared, time: SegmentTime, limits: Doubles, settings: EncodeSettings) -> list[Layer]:
+def dynamic_layers(
+    splats: PreparedDynamics, time: SegmentTime, limits: Doubles, settings: EncodeSettings
+) -> list[Layer]:
     """Cut the splats of a segment into chunks by the first slice in which they live, by the last, and by grade.
 
     `limits` [S + 1] are the slices' limits in normalised time. Chunks of splats that die together let a seek leave out
@@ -69,7 +71,7 @@ def dynamic_layers(splats: Prepared, time: SegmentTime, limits: Doubles, setting
             for group in _by_last(np.flatnonzero(first == current), last)
             for part in _like(group, splats, settings, settings.dynamic_chunk_splats)
         ]
-        found = [Layer(part, float(splats.values["utility"][part].mean()), current) for part in parts]
+        found = [Layer(part, float(splats.utility[part].mean()), current) for part in parts]
         layers += sorted(found, key=lambda layer: -layer.utility)
     return layers
 
@@ -95,23 +97,23 @@ def _without_small(parts: Iterable[Index], least: int) -> list[Index]:
     return groups
 
 
-def _like(members: Index, splats: Prepared, settings: EncodeSettings, largest: int) -> list[Index]:
+def _like(members: Index, splats: PreparedStatics, settings: EncodeSettings, largest: int) -> list[Index]:
     """Cut splats into chunks of about one grade and, within it, of position steps of about one size.
 
     Grades of fewer than `small_chunk_splats` are joined with the next lower one: the finest of a chunk counts.
     """
-    grade = grades(splats.values["utility"][members, 0])
+    grade = grades(splats.utility[members, 0])
     groups = _without_small((members[grade == value] for value in np.unique(grade)[::-1]), settings.small_chunk_splats)
     parts: list[Index] = []
     for group in groups:
         step = ideal_position_steps(splats.take(group), settings)
         level = np.maximum(np.floor(np.log(step / np.median(step)) / np.log(LARGEST_STEP_RATIO)), 0)
-        near = np.abs(splats.values["position"][group]).max(axis=1) * FINEST_SHARE < np.median(step)
+        near = np.abs(splats.position[group]).max(axis=1) * FINEST_SHARE < np.median(step)
         if (level > 0).sum() < settings.small_chunk_splats:
             level[near] = 0  # float32 can hold them on the others' grid, and so few do not pay for a chunk
         for one in np.unique(level):
             same = group[level == one]
-            useful = np.argsort(-splats.values["utility"][same, 0], kind="stable")
+            useful = np.argsort(-splats.utility[same, 0], kind="stable")
             parts += _even_parts(same[useful], largest)
     return parts
 

@@ -14,12 +14,11 @@ from hgs_core.codec.encoder.chunking import dynamic_layers, slice_limits, static
 from hgs_core.codec.encoder.encode_chunk import Numbers, static_numbers
 from hgs_core.codec.encoder.encode_dynamic import dynamic_numbers
 from hgs_core.codec.encoder.encode_settings import EncodeSettings
-from hgs_core.codec.encoder.motion_coding import highest_order
-from hgs_core.codec.encoder.prepare import Prepared, prepare_dynamic, prepare_static
+from hgs_core.codec.encoder.prepare import PreparedDynamics, PreparedStatics, prepare_dynamic, prepare_static
 from hgs_core.codec.encoder.segment_times import frame_interval, shown_segments
 from hgs_core.codec.encoder.steps import Steps
 from hgs_core.codec.encoder.utility import Utility
-from hgs_core.codec.format.attributes import MOTION_ORDERS, Kind
+from hgs_core.codec.format.attributes import Kind
 from hgs_core.codec.format.decode import arrays_of, dynamic_splats, logits, rows_of, static_splats
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.rotations import product
@@ -86,33 +85,30 @@ def quantised_scene(
     )
 
 
-def _rows(parts: Sequence[Prepared]) -> NDArray[np.intp]:
-    return np.concatenate([np.zeros(0, np.intp), *(part.values["row"][:, 0].astype(np.intp) for part in parts)])
+def _rows(parts: Sequence[PreparedStatics]) -> NDArray[np.intp]:
+    return np.concatenate([np.zeros(0, np.intp), *(part.row[:, 0].astype(np.intp) for part in parts)])
 
 
-def _static(part: Prepared) -> StaticSplats[Floats]:
-    v = part.values
-    arrays = v["position"], v["log_scale"], v["rotation"], logits(v["opacity"][:, 0]), v["rgb"]
+def _static(part: PreparedStatics) -> StaticSplats[Floats]:
+    arrays = part.position, part.log_scale, part.rotation, logits(part.opacity[:, 0]), part.rgb
     return StaticSplats(*(array.astype(np.float32) for array in arrays))
 
 
-def _dynamic(part: Prepared, coded: DynamicSplats[Floats]) -> DynamicSplats[Floats]:
+def _dynamic(part: PreparedDynamics, coded: DynamicSplats[Floats]) -> DynamicSplats[Floats]:
     """Return the splats with their axes turned round as those of `coded` are."""
-    v = part.values
-    turns = product(v["rotation"][:, None], HALF_TURNS)  # [N, 4, 4]
+    turns = product(part.rotation[:, None], HALF_TURNS)  # [N, 4, 4]
     likeness = (turns * coded.rotation[:, :1]).sum(axis=2)
     best = np.abs(likeness).argmax(axis=1)
     sign = np.sign(np.take_along_axis(likeness, best[:, None], axis=1))
-    rotation = np.stack([v["rotation"], v["turning"]], axis=1)
-    motion = np.stack([v[name] for name in ("position", *MOTION_ORDERS[: highest_order(part)])], axis=1)
+    rotation = np.stack([part.rotation, part.turning], axis=1)
     arrays = (
-        motion,
+        part.motion,
         product(rotation, HALF_TURNS[best][:, None]) * sign[..., None],
-        v["log_scale"],
-        logits(v["opacity"][:, 0]),
-        v["time_center"][:, 0],
-        v["time_log_precision"][:, 0],
-        v["rgb"],
+        part.log_scale,
+        logits(part.opacity[:, 0]),
+        part.time_center[:, 0],
+        part.time_log_precision[:, 0],
+        part.rgb,
     )
     return DynamicSplats(*(array.astype(np.float32) for array in arrays))
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from hgs_core.base.arrays import Doubles, Whole
 from hgs_core.codec.encoder.appearance import appearance_numbers, rotation_numbers
 from hgs_core.codec.encoder.encode_settings import EncodeSettings
-from hgs_core.codec.encoder.prepare import Prepared
+from hgs_core.codec.encoder.prepare import PreparedStatics
 from hgs_core.codec.encoder.rotation_coding import shape_error
 from hgs_core.codec.encoder.steps import Steps
 from hgs_core.codec.format import morton
@@ -31,7 +31,7 @@ Numbers = Mapping[str, tuple[Whole, float]]
 """Whole numbers [rows, C] by attribute name, and the step (float32) that they are multiples of."""
 
 
-def encode_static_chunk(splats: Prepared, settings: EncodeSettings, index: int) -> tuple[bytes, DecodedChunk]:
+def encode_static_chunk(splats: PreparedStatics, settings: EncodeSettings, index: int) -> tuple[bytes, DecodedChunk]:
     """Encode static splats; `index` is the chunk's place in its scene.
 
     Raises:
@@ -44,32 +44,32 @@ def encode_static_chunk(splats: Prepared, settings: EncodeSettings, index: int) 
     means = chunk.arrays["means"].astype(np.float64)
     splats = splats.take(order)
     bounds = Bounds(
-        position=float(np.abs(means - splats.values["position"]).max()),
+        position=float(np.abs(means - splats.position).max()),
         blur=steps.blur,
         shape=float(
             shape_error(
-                splats.values["rotation"],
-                splats.values["log_scale"],
+                splats.rotation,
+                splats.log_scale,
                 _unit(chunk.arrays["quats"]),
                 chunk.arrays["log_scales"].astype(np.float64),
                 steps.blur,
             ).max()
         ),
-        opacity=float(np.abs(chunk.arrays["opacities"][:, None] - splats.values["opacity"]).max()),
-        rgb=float(np.abs(chunk.arrays["rgb"] - splats.values["rgb"]).max()),
+        opacity=float(np.abs(chunk.arrays["opacities"][:, None] - splats.opacity).max()),
+        rgb=float(np.abs(chunk.arrays["rgb"] - splats.rgb).max()),
     )
     box = outward(means.min(axis=0), means.max(axis=0))
     data = pack(dataclasses.replace(container, box=box, bounds=declare(bounds, steps)))
     return data, decode_chunk(data)
 
 
-def static_numbers(splats: Prepared, steps: Steps) -> Numbers:
+def static_numbers(splats: PreparedStatics, steps: Steps) -> Numbers:
     """Return the numbers of static splats, in the order given."""
     look = appearance_numbers(splats, steps)
     return {
-        "position": (np.rint(splats.values["position"] / steps.position).astype(np.int64), steps.position),
+        "position": (np.rint(splats.position / steps.position).astype(np.int64), steps.position),
         "log_scale": (look["log_scale"], steps.shape),
-        "rotation": (rotation_numbers(splats, splats.values["rotation"], steps), steps.rotation),
+        "rotation": (rotation_numbers(splats, splats.rotation, steps), steps.rotation),
         "opacity": (look["opacity"], steps.opacity),
         "rgb": (look["rgb"], steps.rgb),
     }

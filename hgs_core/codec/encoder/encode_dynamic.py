@@ -14,7 +14,7 @@ from hgs_core.codec.encoder.appearance import appearance_numbers
 from hgs_core.codec.encoder.encode_chunk import Numbers, declare, outward, write_chunk
 from hgs_core.codec.encoder.encode_settings import EncodeSettings
 from hgs_core.codec.encoder.motion_coding import Path, highest_order, motion_numbers, turning_numbers
-from hgs_core.codec.encoder.prepare import Prepared
+from hgs_core.codec.encoder.prepare import PreparedDynamics
 from hgs_core.codec.encoder.rate_distortion import choose, neighbours
 from hgs_core.codec.encoder.rotation_coding import shape_error
 from hgs_core.codec.encoder.steps import Steps
@@ -45,26 +45,26 @@ class SegmentTime:
     end: float  # seconds
     shown_until: float  # normalised time at which the next segment takes over
 
-    def life(self, splats: Prepared, settings: EncodeSettings) -> tuple[Doubles, Doubles]:
+    def life(self, splats: PreparedDynamics, settings: EncodeSettings) -> tuple[Doubles, Doubles]:
         """Return the first and last normalised time ([N], [N]) at which a splat can be seen, as it will be coded.
 
         Every attribute is taken at the end of its error interval that makes the life longest, in a chunk with the step
         that a splat of its grade and of medium opacity has; then the life is cut to when the segment is shown.
         """
-        width = settings.coarseness * np.exp2(-grades(splats.values["utility"][:, 0]).astype(np.float64))
+        width = settings.coarseness * np.exp2(-grades(splats.utility[:, 0]).astype(np.float64))
         step = np.minimum(settings.opacity_step * width, settings.largest_opacity_step)
-        opacity = np.minimum(1.0, splats.values["opacity"][:, 0] + LARGEST_ROUNDING * np.maximum(step, LEAST_OFF))
-        precision = splats.values["time_log_precision"][:, 0]
+        opacity = np.minimum(1.0, splats.opacity[:, 0] + LARGEST_ROUNDING * np.maximum(step, LEAST_OFF))
+        precision = splats.time_log_precision[:, 0]
         precision = precision - LARGEST_ROUNDING * np.minimum(PRECISION_STEP * step, LARGEST_PRECISION_STEP)
         longest = np.exp2(-np.clip(np.floor((precision - 1.75) / math.log(4)), 0, 20))
         radius = np.sqrt(np.log(np.maximum(1.0, 255 * opacity)) / np.exp(precision))
         radius += np.minimum(CENTER_STEP * step, LARGEST_CENTER_STEP) * longest
-        center = splats.values["time_center"][:, 0]
+        center = splats.time_center[:, 0]
         return np.clip(center - radius, 0.0, self.shown_until), np.clip(center + radius, 0.0, self.shown_until)
 
 
 def encode_dynamic_chunk(
-    splats: Prepared, time: SegmentTime, settings: EncodeSettings, index: int
+    splats: PreparedDynamics, time: SegmentTime, settings: EncodeSettings, index: int
 ) -> tuple[bytes, DecodedChunk]:
     """Encode dynamic splats of one segment.
 
@@ -83,7 +83,7 @@ def encode_dynamic_chunk(
     return data, decode_chunk(data)
 
 
-def dynamic_numbers(splats: Prepared, time: SegmentTime, steps: Steps) -> tuple[Numbers, Path]:
+def dynamic_numbers(splats: PreparedDynamics, time: SegmentTime, steps: Steps) -> tuple[Numbers, Path]:
     """Return the numbers of dynamic splats, in the order given, and the paths that they stand for.
 
     Rows of sparse attributes are those of the splats that have them by "form", which is absent if no splat has any.
@@ -95,7 +95,7 @@ def dynamic_numbers(splats: Prepared, time: SegmentTime, steps: Steps) -> tuple[
     path = Path.of(splats, start, end)
     offsets = (path.times - centers[:, None]) * np.exp2(exponents.astype(np.float64))[:, None]
     moving, orders = motion_numbers(path, offsets, steps, highest_order(splats))
-    shift = centers[:, None] - splats.values["time_center"]
+    shift = centers[:, None] - splats.time_center
     turning, turns = turning_numbers(splats, path, offsets, shift, exponents, steps)
     look = appearance_numbers(splats, steps)
     numbers |= moving | turning
@@ -108,22 +108,19 @@ def dynamic_numbers(splats: Prepared, time: SegmentTime, steps: Steps) -> tuple[
     return numbers, path
 
 
-def _visible(splats: Prepared, time: SegmentTime) -> tuple[Doubles, Doubles]:
+def _visible(splats: PreparedDynamics, time: SegmentTime) -> tuple[Doubles, Doubles]:
     """Return when the splats [N] are seen, cut to when the segment is shown."""
-    radius = np.sqrt(
-        np.log(np.maximum(1.0, 255 * splats.values["opacity"][:, 0]))
-        / np.exp(splats.values["time_log_precision"][:, 0])
-    )
-    center = splats.values["time_center"][:, 0]
+    radius = np.sqrt(np.log(np.maximum(1.0, 255 * splats.opacity[:, 0])) / np.exp(splats.time_log_precision[:, 0]))
+    center = splats.time_center[:, 0]
     return np.clip(center - radius, 0.0, time.shown_until), np.clip(center + radius, 0.0, time.shown_until)
 
 
 def _time_numbers(
-    splats: Prepared, steps: Steps, numbers: dict[str, tuple[NDArray[np.int64], float]]
+    splats: PreparedDynamics, steps: Steps, numbers: dict[str, tuple[NDArray[np.int64], float]]
 ) -> tuple[Doubles, Doubles]:
     """Add time_center and time_log_precision to `numbers`; return both [N] as they will decode."""
     step = float32_below(min(PRECISION_STEP * steps.opacity, LARGEST_PRECISION_STEP))
-    exact = splats.values["time_log_precision"] / step
+    exact = splats.time_log_precision / step
     candidates = neighbours(exact)
     cost = ((candidates - exact[:, None])[..., 0] * (steps.opacity / steps.own_opacity)[:, None]) ** 2
     chosen = choose(candidates, cost)
@@ -131,16 +128,16 @@ def _time_numbers(
     precisions = (chosen[:, 0] * step).astype(np.float32)
     power = np.exp2(time_exponents(precisions).astype(np.float64))
     step = float32_below(min(CENTER_STEP * steps.opacity, LARGEST_CENTER_STEP))
-    centers = np.rint(splats.values["time_center"] * power[:, None] / step).astype(np.int64)
+    centers = np.rint(splats.time_center * power[:, None] / step).astype(np.int64)
     numbers["time_center"] = centers, step
     decoded = np.ldexp((centers[:, 0] * step).astype(np.float32), -time_exponents(precisions))
     return decoded.astype(np.float64), precisions.astype(np.float64)
 
 
-def _measured(splats: Prepared, path: Path, chunk: DecodedChunk, steps: Steps) -> Bounds:
+def _measured(splats: PreparedDynamics, path: Path, chunk: DecodedChunk, steps: Steps) -> Bounds:
     """Return the largest errors of the splats, in the chunk's order, at the moments of their paths."""
     decoded = chunk.dynamic()
-    sigma = splats.values["opacity"][:, 0]
+    sigma = splats.opacity[:, 0]
     position = shape = opacity = 0.0
     scales = chunk.arrays["log_scales"].astype(np.float64)
     for j in range(path.times.shape[1]):
@@ -148,9 +145,9 @@ def _measured(splats: Prepared, path: Path, chunk: DecodedChunk, steps: Steps) -
         shift = np.abs(places - path.positions[:, j]).max(axis=1) * path.fade[:, j]
         position = max(position, float(shift.max()))
         opacity = max(opacity, float(np.abs(seen - sigma * path.fade[:, j]).max()))
-        error = shape_error(path.quats[:, j], splats.values["log_scale"], quats, scales, steps.blur)
+        error = shape_error(path.quats[:, j], splats.log_scale, quats, scales, steps.blur)
         shape = max(shape, float((error * path.fade[:, j]).max()))
-    rgb = float(np.abs(chunk.arrays["rgb"] - splats.values["rgb"]).max())
+    rgb = float(np.abs(chunk.arrays["rgb"] - splats.rgb).max())
     return Bounds(position, steps.blur, shape, opacity, rgb)
 
 

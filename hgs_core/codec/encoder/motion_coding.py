@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from hgs_core.base.arrays import Doubles, Whole
 from hgs_core.codec.encoder.appearance import rotation_numbers, turning_cost
-from hgs_core.codec.encoder.prepare import Prepared
+from hgs_core.codec.encoder.prepare import PreparedDynamics
 from hgs_core.codec.encoder.rate_distortion import EXCHANGE, choose, neighbours
 from hgs_core.codec.encoder.rotation_coding import canonical, turn_between, vector_to_quats
 from hgs_core.codec.encoder.steps import Steps
@@ -44,16 +44,14 @@ class Path:
     quats: Doubles  # [N, CHECKED_MOMENTS, 4] unit
 
     @staticmethod
-    def of(splats: Prepared, start: Doubles, end: Doubles) -> Path:
+    def of(splats: PreparedDynamics, start: Doubles, end: Doubles) -> Path:
         """Sample the splats between normalised times `start` and `end` [N]."""
         times = start[:, None] + (end - start)[:, None] * np.linspace(0.0, 1.0, CHECKED_MOMENTS)
-        d = times - splats.values["time_center"]
-        fade = np.exp(-np.exp(splats.values["time_log_precision"]) * d * d)
-        names = ("position", *MOTION_ORDERS[: highest_order(splats)])
-        motion = np.stack([splats.values[name] for name in names], axis=1)
+        d = times - splats.time_center
+        fade = np.exp(-np.exp(splats.time_log_precision) * d * d)
         d = d[..., None]
-        positions = place(motion[:, None], d)
-        quats = splats.values["rotation"][:, None] + d * splats.values["turning"][:, None]
+        positions = place(splats.motion[:, None], d)
+        quats = splats.rotation[:, None] + d * splats.turning[:, None]
         length = np.linalg.norm(quats, axis=2, keepdims=True)
         vanished = length < 1e-12
         quats = np.where(vanished, (1.0, 0.0, 0.0, 0.0), quats / np.where(vanished, 1.0, length))
@@ -66,9 +64,9 @@ class Path:
         return np.asarray(squares / squares.sum(axis=1, keepdims=True))
 
 
-def highest_order(splats: Prepared) -> int:
+def highest_order(splats: PreparedDynamics) -> int:
     """Return the order of the polynomials by which splats move, 3 or 5."""
-    return sum(name in splats.values for name in MOTION_ORDERS)
+    return int(splats.motion.shape[1]) - 1
 
 
 def motion_numbers(
@@ -164,7 +162,7 @@ def _own_part(offsets: Doubles, order: int, weights: Doubles) -> Doubles:
 
 
 def turning_numbers(
-    splats: Prepared, path: Path, offsets: Doubles, shift: Doubles, exponents: NDArray[np.int32], steps: Steps
+    splats: PreparedDynamics, path: Path, offsets: Doubles, shift: Doubles, exponents: NDArray[np.int32], steps: Steps
 ) -> tuple[dict[str, tuple[Whole, float]], NDArray[np.bool_]]:
     """Decide which splats turn by more than is worth leaving out; `shift` [N, 1] moves the centre in time.
 
@@ -214,22 +212,22 @@ def turning_numbers(
     return numbers | {"turning": (rows, step)}, turns
 
 
-def _still(splats: Prepared, path: Path) -> tuple[Doubles, Doubles]:
+def _still(splats: PreparedDynamics, path: Path) -> tuple[Doubles, Doubles]:
     """Return how splats are turned when they are brightest [N, 4], and near to that at all moments [N, 9, 4]."""
     brightest = path.quats[np.arange(len(path.quats)), path.fade.argmax(axis=1)]
-    turn, _ = canonical(brightest, splats.values["log_scale"])
+    turn, _ = canonical(brightest, splats.log_scale)
     still = product(brightest, turn)
     still = still * np.where(still[:, :1] < 0, -1.0, 1.0)
     quats = product(path.quats, turn[:, None])
     return still, quats * np.where((quats * still[:, None]).sum(axis=2, keepdims=True) < 0, -1.0, 1.0)
 
 
-def _own_turn(splats: Prepared, shift: Doubles, exponents: NDArray[np.int32]) -> tuple[Doubles, Doubles]:
+def _own_turn(splats: PreparedDynamics, shift: Doubles, exponents: NDArray[np.int32]) -> tuple[Doubles, Doubles]:
     """Return unit r0 and r1 ([M, 4], [M, 4]) in scaled time as the splats have them."""
-    rotation = splats.values["rotation"] + shift * splats.values["turning"]
-    turning = splats.values["turning"] * np.exp2(-exponents.astype(np.float64))[:, None]
+    rotation = splats.rotation + shift * splats.turning
+    turning = splats.turning * np.exp2(-exponents.astype(np.float64))[:, None]
     length = np.maximum(np.linalg.norm(rotation, axis=1, keepdims=True), 1e-3)
-    turn, _ = canonical(rotation / length, splats.values["log_scale"])
+    turn, _ = canonical(rotation / length, splats.log_scale)
     rotation, turning = product(rotation / length, turn), product(turning / length, turn)
     sign = np.where(rotation[:, :1] < 0, -1.0, 1.0)
     return rotation * sign, turning * sign
@@ -241,7 +239,7 @@ def _unit(slopes: Doubles) -> Doubles:
     return np.asarray(quats / np.linalg.norm(quats, axis=-1, keepdims=True))
 
 
-def _turned_cost(splats: Prepared, quats: Doubles, others: Doubles, weights: Doubles, steps: Steps) -> Doubles:
+def _turned_cost(splats: PreparedDynamics, quats: Doubles, others: Doubles, weights: Doubles, steps: Steps) -> Doubles:
     """Return the squared errors [N], in squared steps, of turning as `others` say instead of `quats` [N, J, 4]."""
     turns = turn_between(quats, others)
     return np.asarray((turning_cost(splats, turns, steps.own_shape) * weights).sum(axis=1))

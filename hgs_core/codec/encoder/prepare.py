@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +17,6 @@ from hgs_core.codec.encoder.antialiased_weights import strength_weights
 from hgs_core.codec.encoder.encode_settings import EncodeSettings
 from hgs_core.codec.encoder.rotation_coding import canonical
 from hgs_core.codec.encoder.utility import SetUtility, estimated_utility, pixels_per_unit
-from hgs_core.codec.format.attributes import MOTION_ORDERS
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.motion import position as place
 from hgs_core.scene.opacities import opacities_of
@@ -25,7 +25,7 @@ from hgs_core.scene.splat_limits import LARGEST_COLOUR, LARGEST_COORDINATE, LARG
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.scene.temporal import lifetime
 
-__all__ = ["Prepared", "prepare_dynamic", "prepare_static"]
+__all__ = ["PreparedDynamics", "PreparedStatics", "prepare_dynamic", "prepare_static"]
 
 LARGEST_TIME = 1000.0  # |mu|, in lengths of the segment
 LEAST_UTILITY = 1e-4  # splats below have the steps of this utility
@@ -39,25 +39,53 @@ MEANINGFUL_INFINITIES = {
 
 
 @dataclass(frozen=True)
-class Prepared:
-    """Splats as float64 arrays by attribute name ("position" [N, 3], "opacity" [N, 1], ...), with unit rotations.
+class PreparedStatics:
+    """N splats in float64 with unit rotations, and the facts that their steps depend on."""
 
-    Beside what is stored there are "row" [N, 1], the splat's place among those that were prepared, "utility" [N, 1] and
-    "scale" [N, 1], pixels per world unit (`weights.py`), and "strength_by_scale" and "strength_by_turn" [N, 3]
-    (`antialiasing.py`), zeros where nothing is antialiased. A dynamic set also has the motion polynomial's "velocity",
-    "acceleration", "jerk" [N, 3] and "turning" [N, 4], in normalised time; a set of the fifth
-    order "snap" and "crackle" [N, 3], too.
-    """
-
-    values: Mapping[str, Doubles]
+    row: Doubles  # [N, 1] place among the splats that were prepared
+    position: Doubles  # [N, 3] world units; of dynamic splats the motion's constant
+    rotation: Doubles  # [N, 4]
+    log_scale: Doubles  # [N, 3]
+    opacity: Doubles  # [N, 1]
+    rgb: Doubles  # [N, 3]
+    utility: Doubles  # [N, 1] (`utility.py`)
+    scale: Doubles  # [N, 1] pixels per world unit
+    strength_by_scale: Doubles  # [N, 3] zeros without antialiasing (`antialiased_weights.py`)
+    strength_by_turn: Doubles  # [N, 3] zeros without antialiasing
 
     def __len__(self) -> int:
         """Return the number of splats."""
-        return len(self.values["position"])
+        return len(self.position)
 
-    def take(self, index: NDArray[Any]) -> Prepared:
+    def take(self, index: NDArray[Any]) -> Self:
         """Return the splats that `index` selects."""
-        return Prepared({name: array[index] for name, array in self.values.items()})
+        chosen = {field.name: getattr(self, field.name)[index] for field in dataclasses.fields(self)}
+        return dataclasses.replace(self, **chosen)
+
+
+@dataclass(frozen=True)
+class PreparedDynamics(PreparedStatics):
+    """Moving splats, in the normalised time of their segment."""
+
+    motion: Doubles  # [N, K, 3] coefficients, constant first; K is 4 or 6
+    turning: Doubles  # [N, 4] derivative of the rotation
+    time_center: Doubles  # [N, 1]
+    time_log_precision: Doubles  # [N, 1]
+
+
+P = TypeVar("P", bound=PreparedStatics)
+
+
+@dataclass(frozen=True)
+class _Sizing:
+    """The views that size splats, and the least utility that keeps them."""
+
+    points: Doubles  # [N, 3] places at which the cameras see the splats
+    cameras: Sequence[Camera]
+    utility: SetUtility | None  # None: guessed
+    shown: Doubles | float  # share of the time for which a splat shows
+    prune: float
+    antialiased: bool
 
 
 def prepare_static(
@@ -67,21 +95,24 @@ def prepare_static(
     settings: EncodeSettings,
     *,
     antialiased: bool = False,
-) -> Prepared:
+) -> PreparedStatics:
     """Drop splats that show too little, name the axes canonically, limit scales; guess utilities if `utility` is None.
 
     Raises:
         InputError: a number that is not finite or too large; names the splat and the field.
     """
     _check("static splat", splats.items())
-    values = _common(splats.log_scales, splats.opacity_logits, splats.rgb)
-    values["position"] = np.asarray(splats.means, np.float64)
-    _check_size("static splat", "means", values["position"], LARGEST_COORDINATE)
+    position = np.asarray(splats.means, np.float64)
+    _check_size("static splat", "means", position, LARGEST_COORDINATE)
     quats = unit_quaternions(splats.quats)
-    turn, values["log_scale"] = canonical(quats, values["log_scale"])
+    turn, log_scale = canonical(quats, _log_scale(splats.log_scales))
     quats = product(quats, turn)
-    values["rotation"] = quats * np.where(quats[:, :1] < 0, -1.0, 1.0)
-    return _weighed(values, values["position"], cameras, utility, 1.0, settings.prune, settings, antialiased)
+    common = _common(splats.opacity_logits, splats.rgb)
+    rotation = quats * np.where(quats[:, :1] < 0, -1.0, 1.0)
+    sizing = _Sizing(position, cameras, utility, 1.0, settings.prune, antialiased)
+    measured = _measured(log_scale, common["opacity"][:, 0], sizing)
+    splats_of_set = PreparedStatics(position=position, rotation=rotation, log_scale=log_scale, **common, **measured)
+    return _kept(splats_of_set, sizing, settings)
 
 
 def prepare_dynamic(
@@ -93,7 +124,7 @@ def prepare_dynamic(
     settings: EncodeSettings,
     *,
     antialiased: bool = False,
-) -> Prepared:
+) -> PreparedDynamics:
     """Do the same for the splats of a segment that is shown for normalised times [0, `shown_until`].
 
     Splats that do not live then are dropped. `frame` is the interval between frames in normalised time.
@@ -103,71 +134,80 @@ def prepare_dynamic(
     """
     _check("dynamic splat", splats.items())
     start, end = lifetime(splats)
-    values = _common(splats.log_scales, splats.opacity_logits, splats.rgb)
     motion = np.asarray(splats.motion, np.float64)
     rotation, turning = _rotation_polynomial(np.asarray(splats.rotation, np.float64))
-    turn, values["log_scale"] = canonical(rotation, values["log_scale"])
+    turn, log_scale = canonical(rotation, _log_scale(splats.log_scales))
+    rotation, turning = product(rotation, turn), product(turning, turn)
     center = np.asarray(splats.time_centers, np.float64)[:, None]
-    values |= {
-        "position": motion[:, 0],
-        **{name: motion[:, order] for order, name in enumerate(MOTION_ORDERS[: motion.shape[1] - 1], start=1)},
-        "rotation": product(rotation, turn),
-        "turning": product(turning, turn),
-        "time_center": center,
-    }
     furthest = np.maximum(np.abs(center), np.abs(shown_until - center))
     with np.errstate(divide="ignore"):
         steady = np.log(STEADY_LOG_OPACITY) - 2 * np.log(furthest)
     briefest = math.log(math.log(255.0)) - 2 * math.log(settings.shortest_life * frame)
     precision = np.asarray(splats.time_log_precisions, np.float64)[:, None]
-    values["time_log_precision"] = np.clip(precision, np.minimum(steady, briefest), briefest)
+    precision = np.clip(precision, np.minimum(steady, briefest), briefest)
     alive = (start <= shown_until) & (end >= 0)
     living = alive[:, None]
     _check_size("dynamic splat", "time_centers", np.where(living, center, 0.0), LARGEST_TIME)
     for order in range(motion.shape[1]):
         reach = motion[:, order] * np.maximum(1.0, furthest) ** order
         _check_size("dynamic splat", "motion", np.where(living, reach, 0.0), LARGEST_COORDINATE)
-    values = {name: array[alive] for name, array in values.items()}
+    common = {name: array[alive] for name, array in _common(splats.opacity_logits, splats.rgb).items()}
+    motion, center, log_scale = motion[alive], center[alive], log_scale[alive]
     start, end = np.clip(start[alive], 0, shown_until), np.clip(end[alive], 0, shown_until)
-    midway = ((start + end) / 2)[:, None] - values["time_center"]
-    halfway = place(motion[alive], midway)
+    midway = ((start + end) / 2)[:, None] - center
     share = (end - start) / max(shown_until, 1e-9) / 3  # it is brightest for about a third of its life
     known = None if utility is None else utility.take(alive)
-    return _weighed(values, halfway, cameras, known, share, settings.prune_dynamic, settings, antialiased)
-
-
-def _weighed(
-    values: dict[str, Doubles],
-    points: Doubles,
-    cameras: Sequence[Camera],
-    utility: SetUtility | None,
-    shown: Doubles | float,
-    prune: float,
-    settings: EncodeSettings,
-    antialiased: bool,
-) -> Prepared:
-    """Add utility, scale and antialiased shapes, and drop splats that show too little."""
-    opacity = values["opacity"][:, 0]
-    scale = pixels_per_unit(points, cameras) if len(points) else np.zeros(0)
-    kept = opacity >= NEGLIGIBLE_OPACITY
-    if utility is None:
-        known = estimated_utility(values["log_scale"], opacity, scale, shown)
-    else:
-        known = utility.shown
-        kept &= utility.missed >= prune * settings.coarseness**2
-    values["utility"] = np.maximum(known, LEAST_UTILITY)[:, None]
-    values["scale"] = scale[:, None]
-    values = {name: array[kept] for name, array in values.items()}
-    none = np.zeros_like(values["log_scale"])
-    values["strength_by_scale"], values["strength_by_turn"] = (
-        strength_weights(np.exp(values["log_scale"]) * values["scale"]) if antialiased else (none, none)
+    sizing = _Sizing(place(motion, midway), cameras, known, share, settings.prune_dynamic, antialiased)
+    prepared = PreparedDynamics(
+        position=motion[:, 0],
+        rotation=rotation[alive],
+        log_scale=log_scale,
+        motion=motion,
+        turning=turning[alive],
+        time_center=center,
+        time_log_precision=precision[alive],
+        **common,
+        **_measured(log_scale, common["opacity"][:, 0], sizing),
     )
-    return Prepared(values)
+    return _kept(prepared, sizing, settings)
 
 
-def _common(log_scales: NDArray[Any], logits: NDArray[Any], rgb: NDArray[Any]) -> dict[str, Doubles]:
+def _measured(log_scale: Doubles, opacity: Doubles, sizing: _Sizing) -> dict[str, Doubles]:
+    """Return utility, scale and, still zero, the strengths of antialiasing by field."""
+    points = sizing.points
+    scale = pixels_per_unit(points, sizing.cameras) if len(points) else np.zeros(0)
+    if sizing.utility is None:
+        known = estimated_utility(log_scale, opacity, scale, sizing.shown)
+    else:
+        known = sizing.utility.shown
+    none = np.zeros_like(log_scale)
     return {
-        "log_scale": np.minimum(np.asarray(log_scales, np.float64), LARGEST_LOG_SCALE),
+        "utility": np.maximum(known, LEAST_UTILITY)[:, None],
+        "scale": scale[:, None],
+        "strength_by_scale": none,
+        "strength_by_turn": none,
+    }
+
+
+def _kept(splats: P, sizing: _Sizing, settings: EncodeSettings) -> P:
+    """Drop splats that show too little, and add the strengths of antialiasing."""
+    kept = splats.opacity[:, 0] >= NEGLIGIBLE_OPACITY
+    if sizing.utility is not None:
+        kept &= sizing.utility.missed >= sizing.prune * settings.coarseness**2
+    splats = splats.take(kept)
+    if not sizing.antialiased:
+        return splats
+    by_scale, by_turn = strength_weights(np.exp(splats.log_scale) * splats.scale)
+    return dataclasses.replace(splats, strength_by_scale=by_scale, strength_by_turn=by_turn)
+
+
+def _log_scale(log_scales: NDArray[Any]) -> Doubles:
+    return np.minimum(np.asarray(log_scales, np.float64), LARGEST_LOG_SCALE)
+
+
+def _common(logits: NDArray[Any], rgb: NDArray[Any]) -> dict[str, Doubles]:
+    """Return opacity, colour and row by field."""
+    return {
         "opacity": opacities_of(logits)[:, None],
         "rgb": np.clip(np.asarray(rgb, np.float64), -LARGEST_COLOUR, LARGEST_COLOUR),
         "row": np.arange(len(rgb), dtype=np.float64)[:, None],

@@ -8,7 +8,7 @@ import numpy as np
 
 from hgs_core.base.arrays import Doubles
 from hgs_core.codec.encoder.encode_settings import EncodeSettings
-from hgs_core.codec.encoder.prepare import Prepared
+from hgs_core.codec.encoder.prepare import PreparedStatics
 from hgs_core.codec.encoder.utility import LOW_PASS, grades
 from hgs_core.codec.format.quantise import float32_below, uneased
 
@@ -24,18 +24,18 @@ FINEST_ROTATION = 2.0**-13
 FINEST_SHARE = 2.0**-21  # a step below this share of a coordinate costs more bits than float32 is worth
 
 
-def screen_deviations(splats: Prepared) -> Doubles:
+def screen_deviations(splats: PreparedStatics) -> Doubles:
     """Return the standard deviations [N, 3] along a splat's axes as the capture shows them, pixels."""
-    return np.sqrt(np.exp(2 * splats.values["log_scale"]) * splats.values["scale"] ** 2 + LOW_PASS)
+    return np.sqrt(np.exp(2 * splats.log_scale) * splats.scale**2 + LOW_PASS)
 
 
-def ideal_position_steps(splats: Prepared, settings: EncodeSettings) -> Doubles:
+def ideal_position_steps(splats: PreparedStatics, settings: EncodeSettings) -> Doubles:
     """Return the step [N] in world units that each splat alone would have: a share of its radius on the screen."""
     radius = 1 / np.sqrt((1 / screen_deviations(splats) ** 2).mean(axis=1))
-    width = settings.coarseness / np.sqrt(splats.values["utility"][:, 0])
+    width = settings.coarseness / np.sqrt(splats.utility[:, 0])
     pixels = np.minimum(settings.position_step * width * radius, settings.largest_position_step)
-    size = np.abs(splats.values["position"]).max(axis=1)
-    return np.asarray(np.maximum(pixels / splats.values["scale"][:, 0], size * FINEST_SHARE))
+    size = np.abs(splats.position).max(axis=1)
+    return np.asarray(np.maximum(pixels / splats.scale[:, 0], size * FINEST_SHARE))
 
 
 @dataclass(frozen=True)
@@ -54,13 +54,13 @@ class Steps:
     own_rgb: Doubles
 
     @staticmethod
-    def of(splats: Prepared, settings: EncodeSettings) -> Steps:
+    def of(splats: PreparedStatics, settings: EncodeSettings) -> Steps:
         """Derive the steps of a chunk of splats of about one grade: the finest grade counts."""
-        utility = splats.values["utility"][:, 0]
+        utility = splats.utility[:, 0]
         width = settings.coarseness * 2.0 ** -float(grades(utility).max())
         own_width = np.minimum(settings.coarseness / np.sqrt(utility), settings.coarseness * 2.0**6)
         own_position = ideal_position_steps(splats, settings)
-        position = splats.values["position"]
+        position = splats.position
         finest = max(
             float(np.abs(position).max()) * FINEST_SHARE / 2,
             float((position.max(axis=0) - position.min(axis=0)).max()) * 2.0**-23,
@@ -68,19 +68,19 @@ class Steps:
         )
         s = settings
         own_shape = np.minimum(s.shape_step * own_width, s.largest_shape_step)
-        opacity = splats.values["opacity"][:, 0]
+        opacity = splats.opacity[:, 0]
         x = uneased(opacity)
         slope = 6 * x * (1 - x) + 1e-3
         own_opacity = np.minimum(s.opacity_step * own_width * (opacity + 1e-3) / slope, s.largest_opacity_step)
         deviations = np.sort(screen_deviations(splats), axis=1)
         uneven = deviations[:, 2] / deviations[:, 0] - deviations[:, 0] / deviations[:, 2]
-        strength = splats.values["strength_by_turn"].max(axis=1) / TURN_AGAINST_SCALE
+        strength = splats.strength_by_turn.max(axis=1) / TURN_AGAINST_SCALE
         uneven = np.sqrt(uneven**2 + strength)
         rotation = s.rotation_step / max(float(np.percentile(uneven / own_shape, ROTATION_STEP_PERCENTILE)), 1e-9)
         rotation = min(max(rotation, FINEST_ROTATION), s.largest_rotation_step)
         return Steps(
             position=float32_below(max(float((own_position**-2.0).mean() ** -0.5), finest) * 1.0000002),
-            blur=float(np.float32(BLUR_DEVIATION / float(np.median(splats.values["scale"])))),
+            blur=float(np.float32(BLUR_DEVIATION / float(np.median(splats.scale)))),
             shape=float32_below(min(s.shape_step * width, s.largest_shape_step)),
             rotation=float32_below(rotation),
             opacity=float32_below(max(float((own_opacity**-2.0).mean() ** -0.5), FINEST_OPACITY)),

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from hgs_core.codec.encoder.prepare import Prepared
+from hgs_core.codec.encoder.prepare import PreparedDynamics
 from hgs_core.codec.format.attributes import MOTION_ORDERS
 
 __all__ = ["prepared"]
 
 
-def prepared(count: int, **given: object) -> Prepared:
+def prepared(count: int, **given: object) -> PreparedDynamics:
     """Unit balls at the origin, a hundred pixels wide, that show nothing but their place; `given` replaces arrays."""
     width = dict.fromkeys(("position", "log_scale", "rgb", "strength_by_scale", "strength_by_turn", *MOTION_ORDERS), 3)
     width |= {"rotation": 4, "turning": 4}
@@ -37,4 +37,6 @@ def prepared(count: int, **given: object) -> Prepared:
         if array.ndim == 1 and len(array) == count and name != "rotation":  # one number a splat
             array = array[:, None]
         arrays[name] = np.broadcast_to(array, (count, width.get(name, 1))).copy()
-    return Prepared(arrays | {"row": np.arange(count, dtype=np.float64)[:, None]})
+    orders = [arrays.pop(name) for name in MOTION_ORDERS if name in arrays]
+    motion = np.stack([arrays["position"], *orders], axis=1)
+    return PreparedDynamics(row=np.arange(count, dtype=np.float64)[:, None], motion=motion, **arrays)

@@ -35,10 +35,10 @@ def test_colours_and_opacities_are_within_a_step_and_a_half_of_what_they_stand_f
     splats = prepared(COUNT, rgb=rng.uniform(0, 1, (COUNT, 3)), opacity=rng.uniform(0.01, 0.99, COUNT))
     steps = Steps.of(splats, SETTINGS)
     numbers = appearance_numbers(splats, steps)
-    assert np.abs(numbers["rgb"] * steps.rgb - splats.values["rgb"]).max() <= 1.5 * steps.rgb + 1e-9
+    assert np.abs(numbers["rgb"] * steps.rgb - splats.rgb).max() <= 1.5 * steps.rgb + 1e-9
     x = np.clip(numbers["opacity"] * steps.opacity, 0, 1)
     eased = x * x * (3 - 2 * x)  # docs/format.md; its slope is at most 1.5
-    assert np.abs(eased - splats.values["opacity"]).max() <= 1.5 * 1.5 * steps.opacity + 1e-9
+    assert np.abs(eased - splats.opacity).max() <= 1.5 * 1.5 * steps.opacity + 1e-9
 
 
 def test_no_splat_loses_its_opacity() -> None:

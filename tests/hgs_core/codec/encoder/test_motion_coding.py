@@ -10,7 +10,7 @@ import pytest
 from hgs_core.codec.encoder.encode_chunk import LIMITS
 from hgs_core.codec.encoder.encode_settings import EncodeSettings
 from hgs_core.codec.encoder.motion_coding import CHECKED_MOMENTS, Path, highest_order, motion_numbers, turning_numbers
-from hgs_core.codec.encoder.prepare import Prepared
+from hgs_core.codec.encoder.prepare import PreparedDynamics
 from hgs_core.codec.encoder.rotation_coding import shape_error, vector_to_quats
 from hgs_core.codec.encoder.steps import Steps
 from tests.hgs_core.codec.encoder.prepared import prepared
@@ -20,7 +20,7 @@ COUNT = 60
 Polynomial = np.polynomial.polynomial
 
 
-def moving(order: int, size: float = 1.0, count: int = COUNT) -> Prepared:
+def moving(order: int, size: float = 1.0, count: int = COUNT) -> PreparedDynamics:
     """Splats that swing in the polynomial of this order that no lower one comes near to (Chebyshev's, in [0, 1])."""
     rng = np.random.default_rng(order)
     swing = np.polynomial.chebyshev.cheb2poly([0] * order + [size]) * 2.0 ** np.arange(order + 1)
@@ -32,7 +32,7 @@ def moving(order: int, size: float = 1.0, count: int = COUNT) -> Prepared:
     )
 
 
-def path_of(splats: Prepared) -> tuple[Path, np.ndarray]:
+def path_of(splats: PreparedDynamics) -> tuple[Path, np.ndarray]:
     """The path over the whole segment, and its times from the middle."""
     path = Path.of(splats, np.zeros(len(splats)), np.ones(len(splats)))
     return path, path.times - 0.5
@@ -115,7 +115,7 @@ def test_no_order_above_the_highest_asked_is_taken() -> None:
     assert "snap" not in numbers
 
 
-def turning(speed: float, count: int = COUNT) -> Prepared:
+def turning(speed: float, count: int = COUNT) -> PreparedDynamics:
     """Uneven splats that turn about axes of their own; `speed` is the angle over the segment in radians, about."""
     rng = np.random.default_rng(1)
     quats = rng.normal((2, 0, 0, 0), 1, (count, 4))
@@ -136,7 +136,7 @@ def test_a_turn_is_followed_all_along_its_path(speed: float) -> None:
     rates, rate_step = numbers["turning"]
     quats = vector_to_quats(rotation * step)[:, None] + offsets[..., None] * (rates * rate_step)[:, None]
     quats /= np.linalg.norm(quats, axis=2, keepdims=True)
-    sizes = splats.values["log_scale"]
+    sizes = splats.log_scale
     errors = [shape_error(path.quats[:, j], sizes, quats[:, j], sizes, 1e-3) for j in range(CHECKED_MOMENTS)]
     assert np.median(errors) < 2 * steps.shape
     assert np.max(errors) < 8 * steps.shape
