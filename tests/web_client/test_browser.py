@@ -140,6 +140,46 @@ def test_splats_thinner_than_a_pixel_are_drawn_as_the_scene_asks_or_the_other_wa
     assert psnr(*shown) < 30
 
 
+@pytest.mark.parametrize("fades", [True, False])
+def test_what_is_near_fades_for_a_camera_that_a_visitor_has_placed(browser: Browser, site: Site, fades: bool) -> None:
+    """From 0.15 of the way to what the camera turns about; hardly anything is that near where that is near."""
+    import torch
+
+    from hgs_core.render import rasterize
+    from hgs_core.scene import StaticSplats
+    from hgs_core.scene.camera import Camera
+    from tests.web_client.ordered_picture import moment
+
+    side = camera_named(site, "side")
+    eye, ahead = np.array([0.02, -0.04, -1.2]), np.array([0.1, 0.06, 1.0])
+    target = eye + (10.0 if fades else 0.5) * ahead
+    z = ahead / np.linalg.norm(ahead)
+    x = np.cross(z, [0, -1, 0]) / np.linalg.norm(np.cross(z, [0, -1, 0]))
+    pose = np.eye(4)
+    pose[:3, :3] = [x, np.cross(z, x), z]
+    pose[:3, 3] = -pose[:3, :3] @ eye
+    camera = Camera("placed", side.width, side.height, side.fx, side.fy, side.cx, side.cy, pose)
+    splats = moment(site.scene, 0.4)
+    clear = 0.15 * np.linalg.norm(target - eye)
+    share = (splats.means @ pose[2, :3] + pose[2, 3] - camera.near) / (clear - camera.near)
+    opacity = splats.opacities * np.clip(share, 1e-9, 1)
+    arrays = splats.means, np.log(splats.scales), splats.quats, np.log(opacity / (1 - opacity)), splats.rgb
+    truth = rasterize(
+        StaticSplats(*(torch.tensor(array) for array in arrays)),
+        site.scene.segment_at(0.4).dynamic.map(lambda array: torch.tensor(array[:0], dtype=torch.float64)),
+        camera,
+        0.0,
+        background=(0.1, 0.2, 0.3),
+        backend="reference",
+        gradients="none",
+    ).rgb.permute(1, 2, 0)
+    view = ",".join(f"{number:.7f}" for number in (*eye, *target, 0.0, -1.0, 0.0))
+    size = {"width": side.width, "height": side.height}
+    address = f"{site.page}?camera=side&t=0.4&width={side.width}&height={side.height}&paused=1&view={view}"
+    with open_viewer(browser, address, **size) as page:
+        assert psnr(canvas_floats(page), truth.numpy()) >= 60  # dB; the address has seven digits
+
+
 def test_screen_shows_what_the_canvas_holds(browser: Browser, site: Site) -> None:
     from io import BytesIO
 

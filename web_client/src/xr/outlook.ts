@@ -41,12 +41,12 @@ export class Outlook {
 
   /** @param gl a context that is not lost; anew when it has come back. */
   attach(gl: WebGL2RenderingContext): void {
-    this.#camera = null;
+    this.#camera = this.#last = this.#since = null; // what was taken may be of an empty scene
     this.backdrop.attach(gl);
   }
 
   /**
-   * Look at a frame at `now`, milliseconds, in which an eye sees `shot`. All of the scene that stands still has arrived.
+   * Look at a frame at `now`, milliseconds, in which an eye sees `shot`, once all that stands still has arrived.
    *
    * @returns whether the wearer has lost the scene
    */

@@ -45,6 +45,16 @@ it("draws them again where the head has gone far, or the scene has another size"
   expect(look(1.1, 1.5)).toBe(6);
 });
 
+it("begins anew when the context has come back, and waits for an order again", () => {
+  for (const now of [0, 600, 610]) frame(now);
+  expect(drawn.splice(0)).toHaveLength(2);
+  outlook.attach(fakeCanvas().getContext("webgl2") as WebGL2RenderingContext);
+  for (const now of [700, 1100]) frame(now);
+  expect(drawn).toEqual([]);
+  for (let i = 0; i < 8; i++) frame(1300 + i);
+  expect(drawn).toHaveLength(6);
+});
+
 it("tells who sees nothing of the scene, once that is known", () => {
   frame(0);
   expect(frame(5000)).toBe(false);
