@@ -51,7 +51,7 @@ def make_segment(run: Path, number: int, progress: ProgressCallback) -> None:
     from hgs_core.decompose.masks import MotionMasks
     from hgs_core.points.near_plane import with_near_planes
     from hgs_core.points.point_cloud import PointCloud
-    from hgs_core.train.capture_training import segment_trainer
+    from hgs_core.train.capture_training import TrainingInputs, segment_trainer
     from hgs_core.train.checkpoint import load_state
 
     folder = RunFolder(run)
@@ -59,18 +59,17 @@ def make_segment(run: Path, number: int, progress: ProgressCallback) -> None:
     segments, capture = _segments(spec)
     config, points = spec.config, PointCloud.load(folder.points)
     cameras = with_near_planes(capture.cameras, points.xyz)
-    trainer = segment_trainer(
+    inputs = TrainingInputs(
         capture,
         {i: cameras[i] for i in config.capture.training_cameras(capture)},
         config.train,
         config.seed,
         points,
         capture.frames_in(config.points.interval),
-        folder.checkpoint(number),
-        segments[number],
         MotionMasks.load(folder.masks, capture),
-        load_state(folder.checkpoint(0)) if number else None,
     )
+    first = load_state(folder.checkpoint(0)) if number else None
+    trainer = segment_trainer(inputs, segments[number], folder.checkpoint(number), first)
     scene = trainer.run(progress)
     _encode(folder, spec, scene, segments, number)
 

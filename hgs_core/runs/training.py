@@ -15,7 +15,7 @@ from hgs_core.points.near_plane import with_near_planes
 from hgs_core.points.point_cloud import PointCloud
 from hgs_core.runs.run_folder import RunFolder
 from hgs_core.scene.splats import HybridScene
-from hgs_core.train.capture_training import train_capture
+from hgs_core.train.capture_training import TrainingInputs, train_capture
 
 __all__ = ["told_of_training", "train_run"]
 
@@ -30,18 +30,16 @@ def train_run(
     config, capture = spec.config, spec.open_capture(cache_bytes=spec.config.capture.cache_bytes)
     points = PointCloud.load(folder.points)
     cameras, masks = with_near_planes(capture.cameras, points.xyz), MotionMasks.load(folder.masks, capture)
-    scene, summary = train_capture(
+    inputs = TrainingInputs(
         capture,
         {i: cameras[i] for i in config.capture.training_cameras(capture)},
         config.train,
         config.seed,
         points,
         capture.frames_in(config.points.interval),
-        folder.checkpoint,
-        progress,
         masks,
-        folder.preview,
     )
+    scene, summary = train_capture(inputs, folder.checkpoint, progress, folder.preview)
     return scene, summary | {"machine": machine_facts()}
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -24,42 +25,51 @@ from hgs_core.train.train_config import TrainConfig
 from hgs_core.train.trainer import Trainer
 from hgs_core.train.training_preview import Preview
 
-__all__ = ["segment_trainer", "train_capture"]
+__all__ = ["TrainingInputs", "segment_trainer", "train_capture"]
+
+
+@dataclass(frozen=True)
+class TrainingInputs:
+    """The inputs of a capture's training, the same for all of its segments."""
+
+    capture: Capture
+    cameras: Mapping[int, Camera]  # training cameras by their index in the capture, with their near planes
+    config: TrainConfig
+    seed: int  # seed of all random draws
+    points: PointCloud  # labelled first points of the whole capture
+    sampled_every: int  # frames between the moments of dynamic points, at most
+    masks: MotionMasks | None = None  # masks of the movers; needed where the config's stages are `separate`
 
 
 def segment_trainer(
-    capture: Capture,
-    cameras: Mapping[int, Camera],
-    config: TrainConfig,
-    seed: int,
-    points: PointCloud,
-    sampled_every: int,
-    checkpoint: Path,
-    segment: CaptureSegment,
-    masks: MotionMasks | None,
-    after: TrainState | None,
+    inputs: TrainingInputs, segment: CaptureSegment, checkpoint: Path, after: TrainState | None
 ) -> Trainer:
-    """Return the trainer of one segment of a capture; the arguments are those of `train_capture` and of `Trainer`."""
+    """Return the trainer of one segment of a capture; `checkpoint` and `after` are those of `Trainer`."""
+    config = inputs.config
     start = initial_splats(
-        segment.points(points),
+        segment.points(inputs.points),
         segment.clock,
-        len(segment.sampled(sampled_every)),
+        len(segment.sampled(inputs.sampled_every)),
         config.labels.initial,
         coefficients=coefficients_of_order(config.motion_order),
     )
-    return Trainer(capture, cameras, config, seed, segment, start, checkpoint, masks=masks, after=after)
+    return Trainer(
+        inputs.capture,
+        inputs.cameras,
+        config,
+        inputs.seed,
+        segment,
+        start,
+        checkpoint,
+        masks=inputs.masks,
+        after=after,
+    )
 
 
 def train_capture(
-    capture: Capture,
-    cameras: Mapping[int, Camera],
-    config: TrainConfig,
-    seed: int,
-    points: PointCloud,
-    sampled_every: int,
+    inputs: TrainingInputs,
     checkpoint: Callable[[int], Path],
     progress: ProgressCallback,
-    masks: MotionMasks | None = None,
     preview: Path | None = None,
 ) -> tuple[HybridScene[npt.NDArray[np.float32]], dict[str, Any]]:
     """Train all segments and return the scene and the summary that train.json keeps.
@@ -68,36 +78,20 @@ def train_capture(
     that they depend on nothing but the first one's end.
 
     Args:
-        capture: the capture.
-        cameras: those to train with by their index in the capture, with their near planes.
-        config: how to train.
-        seed: of everything that is drawn at random.
-        points: labelled first points of the whole capture.
-        sampled_every: frames between the moments that dynamic points were taken at, at most.
+        inputs: capture, cameras, config and points.
         checkpoint: gives the file of a segment's state; a finished segment's is read, not trained again.
         progress: called as if all segments were one training.
-        masks: what moves; needed where the config's stages are `separate`.
         preview: a JPEG file that shows how far the training is, from the first of these cameras; None: none is drawn.
 
     Raises:
         StageStopped: the callback asked to stop; the state was saved first.
     """
-    segments = cut_into_segments(capture.times, config.segment_frames)
+    config, cameras = inputs.config, inputs.cameras
+    segments = cut_into_segments(inputs.capture.times, config.segment_frames)
     total, trained, key = config.iterations * len(segments), [], None
     drawn = None if preview is None else Preview(preview, next(iter(cameras.values())), config)
     for number, segment in enumerate(segments):
-        trainer = segment_trainer(
-            capture,
-            cameras,
-            config,
-            seed,
-            points,
-            sampled_every,
-            checkpoint(number),
-            segment,
-            masks,
-            None if key is None else key.state,
-        )
+        trainer = segment_trainer(inputs, segment, checkpoint(number), None if key is None else key.state)
         before = number * config.iterations
 
         def report(step: Progress, before: int = before, trainer: Trainer = trainer) -> None:

@@ -101,43 +101,63 @@ def _motion_numbers(
     middle = path.positions[:, CHECKED_MOMENTS // 2]
     goal = path.positions - middle[:, None]
     basis = powers(offsets, highest)
+    orders = _cheapest_orders(path, offsets, goal, steps, highest, careful)
+    numbers: dict[str, tuple[Whole, float]] = {}
+    residual = goal.copy()
+    for order in range(highest, 0, -1):
+        subset = np.flatnonzero(orders >= order)
+        if len(subset):
+            found, step = _coefficient(path, offsets, residual, steps, order, subset, careful)
+            numbers[MOTION_ORDERS[order - 1]] = found, step
+            residual[subset] -= basis[subset, :, order, None] * (found * step)[:, None]
+    constant = (residual * path.weights[..., None]).sum(axis=1) + middle
+    whole = np.rint(constant / steps.position).astype(np.int64)
+    numbers["position"] = whole, steps.position
+    error = residual + (middle - whole * steps.position)[:, None]
+    return numbers, orders, (np.abs(error).max(axis=2) * path.fade).max(axis=1)
+
+
+def _cheapest_orders(
+    path: Path, offsets: Doubles, goal: Doubles, steps: Steps, highest: int, careful: NDArray[np.bool_]
+) -> Whole:
+    """Return the orders [N] with the least sum of squared errors and of bits."""
+    basis = powers(offsets, highest)
     tried = [order for order in ORDER_COST_BITS if order <= highest]
-    own = steps.own_position[:, None]
     costs = []
     for order in tried:
         fitted = polynomial_fit(offsets, order, goal, path.weights)
         error = np.abs(goal - basis[..., : order + 1] @ fitted)
-        cost = ((error**2).sum(axis=2) * path.weights).sum(axis=1) / own[:, 0] ** 2
+        cost = ((error**2).sum(axis=2) * path.weights).sum(axis=1) / steps.own_position**2
         excess = (error.max(axis=2) * path.fade).max(axis=1) > LARGEST_PATH_SHIFT * steps.position
         refused = (excess | careful) & (order < highest)
         costs.append(cost + EXCHANGE * ORDER_COST_BITS[order] + np.where(refused, np.inf, 0.0))
-    orders = np.array(tried)[np.argmin(np.stack(costs, axis=1), axis=1)]
-    numbers: dict[str, tuple[Whole, float]] = {}
-    left = goal.copy()
-    for order in range(highest, 0, -1):
-        members = np.flatnonzero(orders >= order)
-        if not len(members):
-            continue
-        some, weights, fade = offsets[members], path.weights[members], path.fade[members]
-        rest = _own_part(some, order, weights)
-        share = np.sqrt((rest**2 * weights).sum(axis=1)) + LEAST_INDEPENDENT_SHARE
-        reach = (np.abs(rest) * fade).max(axis=1) + LEAST_INDEPENDENT_SHARE
-        step = _coefficient_step(own[members, 0] / share, LARGEST_PATH_SHIFT * steps.position / reach)
-        exact = polynomial_fit(some, order, left[members], weights)[:, order] / step
-        candidates = _roundings(exact)
-        off = (candidates - exact[:, None]) * step
-        cost = ((off * (share / own[members, 0])[:, None, None]) ** 2).sum(axis=2)
-        too_far = np.abs(off).max(axis=2) * reach[:, None] > LARGEST_PATH_SHIFT * steps.position
-        too_far |= careful[members, None]
-        too_far[:, 0] = False
-        chosen = choose(candidates, np.where(too_far, np.inf, cost))
-        numbers[MOTION_ORDERS[order - 1]] = chosen, step
-        left[members] -= basis[members, :, order, None] * (chosen * step)[:, None]
-    constant = (left * path.weights[..., None]).sum(axis=1) + middle
-    whole = np.rint(constant / steps.position).astype(np.int64)
-    numbers["position"] = whole, steps.position
-    off = left + (middle - whole * steps.position)[:, None]
-    return numbers, orders, (np.abs(off).max(axis=2) * path.fade).max(axis=1)
+    return np.asarray(np.array(tried)[np.argmin(np.stack(costs, axis=1), axis=1)])
+
+
+def _coefficient(
+    path: Path,
+    offsets: Doubles,
+    residual: Doubles,
+    steps: Steps,
+    order: int,
+    subset: NDArray[np.intp],
+    careful: NDArray[np.bool_],
+) -> tuple[Whole, float]:
+    """Return the whole numbers [M, 3] of one coefficient of a subset of splats, and their step."""
+    times, weights, fade = offsets[subset], path.weights[subset], path.fade[subset]
+    own = steps.own_position[subset]
+    independent_part = _independent_part(times, order, weights)
+    share = np.sqrt((independent_part**2 * weights).sum(axis=1)) + LEAST_INDEPENDENT_SHARE
+    reach = (np.abs(independent_part) * fade).max(axis=1) + LEAST_INDEPENDENT_SHARE
+    step = _coefficient_step(own / share, LARGEST_PATH_SHIFT * steps.position / reach)
+    exact = polynomial_fit(times, order, residual[subset], weights)[:, order] / step
+    candidates = _roundings(exact)
+    error = (candidates - exact[:, None]) * step
+    cost = ((error * (share / own)[:, None, None]) ** 2).sum(axis=2)
+    too_far = np.abs(error).max(axis=2) * reach[:, None] > LARGEST_PATH_SHIFT * steps.position
+    too_far |= careful[subset, None]
+    too_far[:, 0] = False
+    return choose(candidates, np.where(too_far, np.inf, cost)), step
 
 
 def _coefficient_step(own: Doubles, largest: Doubles) -> float:
@@ -153,7 +173,7 @@ def _roundings(exact: Doubles) -> Whole:
     )
 
 
-def _own_part(offsets: Doubles, order: int, weights: Doubles) -> Doubles:
+def _independent_part(offsets: Doubles, order: int, weights: Doubles) -> Doubles:
     """Return the part [M, J] of a power of `offsets` [M, J] that lower powers cannot represent."""
     # Relative to their middle: there the power differs by lower ones alone, and nothing is lost far from the centre.
     near = offsets - offsets.mean(axis=1, keepdims=True)
@@ -187,7 +207,7 @@ def turning_numbers(
     some, weights, own_shape = splats.take(turns), path.weights[turns], steps.own_shape[turns]
     offset = offsets[turns]
     w = 1 / np.sqrt(1 + (fitted[turns, 0] ** 2).sum(axis=1))[:, None]
-    rest = _own_part(offset, 1, weights)
+    rest = _independent_part(offset, 1, weights)
     share = np.sqrt((rest**2 * weights).sum(axis=1)) + LEAST_INDEPENDENT_SHARE
     step = float32_below(steps.rotation * float((share**2).mean() ** -0.5))
     exact = fitted[turns, 1] * w / step

@@ -11,7 +11,7 @@ import pytest
 from hgs_core.base.progress import Progress, StageStopped, silent
 from hgs_core.capture.capture import Capture
 from hgs_core.capture.open import open_capture
-from hgs_core.train.capture_training import train_capture
+from hgs_core.train.capture_training import TrainingInputs, train_capture
 from hgs_core.train.checkpoint import load_state
 from hgs_core.train.train_config import DensityConfig, TrainConfig
 from tests.hgs_core.train.test_trainer import points
@@ -32,11 +32,13 @@ def capture(tmp_path_factory: pytest.TempPathFactory) -> Capture:
     return open_capture(path)
 
 
+def inputs(capture: Capture, config: TrainConfig = CONFIG) -> TrainingInputs:
+    return TrainingInputs(capture, dict(enumerate(capture.cameras)), config, 0, points(), 1)
+
+
 def test_segments_share_the_statics_and_follow_each_other(capture: Capture, tmp_path: Path) -> None:
     heard: list[Progress] = []
-    scene, summary = train_capture(
-        capture, dict(enumerate(capture.cameras)), CONFIG, 0, points(), 1, lambda i: tmp_path / f"{i}.pt", heard.append
-    )
+    scene, summary = train_capture(inputs(capture), lambda i: tmp_path / f"{i}.pt", heard.append)
     assert [(s.start, s.end) for s in scene.segments] == [
         (capture.times[0], capture.times[3]),
         (capture.times[3], capture.times[5]),
@@ -51,8 +53,7 @@ def test_segments_share_the_statics_and_follow_each_other(capture: Capture, tmp_
 def test_the_summary_has_the_mean_falloff_of_the_lenses(capture: Capture, tmp_path: Path, learned: bool) -> None:
     path = tmp_path / "0.pt"
     config = dataclasses.replace(CONFIG, segment_frames=6, lens_falloff=learned)
-    cameras = dict(enumerate(capture.cameras))
-    _, summary = train_capture(capture, cameras, config, 0, points(), 1, lambda number: path, silent)
+    _, summary = train_capture(inputs(capture, config), lambda number: path, silent)
     correction = load_state(path).correction
     assert correction is not None
     if learned:
@@ -65,16 +66,8 @@ def test_the_summary_has_the_mean_falloff_of_the_lenses(capture: Capture, tmp_pa
 def test_a_training_stopped_in_its_second_segment_resumes_to_the_same_bits(capture: Capture, tmp_path: Path) -> None:
     def run(name: str, progress: object = silent) -> object:
         (tmp_path / name).mkdir(exist_ok=True)
-        return train_capture(
-            capture,
-            dict(enumerate(capture.cameras)),
-            CONFIG,
-            0,
-            points(),
-            1,
-            lambda i: tmp_path / name / f"{i}.pt",
-            progress,  # type: ignore[arg-type]
-        )[0]
+        place = tmp_path / name
+        return train_capture(inputs(capture), lambda i: place / f"{i}.pt", progress)[0]  # type: ignore[arg-type]
 
     def stop(step: Progress) -> None:
         if step.done == 40:
