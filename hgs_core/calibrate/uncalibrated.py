@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from hgs_core.base.errors import InputError
+from hgs_core.capture.cameras.camera_formats import calibration
 from hgs_core.capture.footage import FEWEST_VIDEOS, find_places
-from hgs_core.capture.load import calibration
 from hgs_core.capture.sound.sound_only import is_sound_only
 
 __all__ = ["are_enough_videos", "find_videos", "folder_below", "has_poses"]

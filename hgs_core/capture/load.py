@@ -3,23 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from hgs_core.base.errors import InputError
-from hgs_core.capture.cameras.calibration_toml import CALIBRATION_TOML
-from hgs_core.capture.cameras.colmap import COLMAP
-from hgs_core.capture.cameras.easymocap import EASYMOCAP
-from hgs_core.capture.cameras.immersive import IMMERSIVE
-from hgs_core.capture.cameras.llff import LLFF
-from hgs_core.capture.cameras.opencv_files import OPENCV_FILES
-from hgs_core.capture.cameras.panoptic import PANOPTIC_SPORTS
 from hgs_core.capture.cameras.rig import CameraFormat, Rig
 from hgs_core.capture.cameras.rigid_poses import with_rigid_poses
-from hgs_core.capture.cameras.transforms import NERFSTUDIO
 from hgs_core.capture.footage import Footage
 from hgs_core.capture.footage_of_cameras import Matched, match_footage
 from hgs_core.capture.lenses.straighten import StraightView
@@ -32,19 +24,7 @@ from hgs_core.capture.recording import Recording
 from hgs_core.capture.time.clock import Clock, common_clock, mean_rate
 from hgs_core.capture.time.sync import CameraTimes, OwnTime, Sync, read_sync, table_of_times, times_of_cameras
 
-__all__ = ["CAMERA_FORMATS", "Outline", "calibration", "clock_of_videos", "load", "outline"]
-
-CAMERA_FORMATS: tuple[CameraFormat, ...] = (
-    PANOPTIC_SPORTS,
-    LLFF,
-    NERFSTUDIO,
-    IMMERSIVE,
-    EASYMOCAP,
-    CALIBRATION_TOML,
-    COLMAP,
-    OPENCV_FILES,
-)
-"""In the order in which a folder is tried; a new format is a module and an entry."""
+__all__ = ["Outline", "clock_of_videos", "load", "outline"]
 
 _LARGE = 3.0  # times the pixels of most cameras, from which on a camera is worth a word
 _ASSUMED_RATE = 30.0  # frames per second of pictures in folders, where nothing says it
@@ -58,13 +38,6 @@ class Outline:
     cameras: tuple[str, ...]  # their names, in the order of the capture
     frames: int | None = None  # None: not told without reading more
     seconds: float | None = None  # duration of the frames, if known
-
-
-def calibration(capture: Path) -> Iterator[tuple[CameraFormat, Path]]:
-    """Yield the formats of the cameras in a folder and their files, the one to be used first."""
-    for camera_format in CAMERA_FORMATS:
-        if (file := camera_format.find(capture)) is not None:
-            yield camera_format, file
 
 
 def load(

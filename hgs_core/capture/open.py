@@ -9,9 +9,10 @@ from types import MappingProxyType
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.wording import counted
+from hgs_core.capture.cameras.camera_formats import CAMERA_FORMATS, calibration
 from hgs_core.capture.capture import Capture
 from hgs_core.capture.footage import FEWEST_VIDEOS, find_places
-from hgs_core.capture.load import CAMERA_FORMATS, calibration, load
+from hgs_core.capture.load import load
 from hgs_core.capture.sound.sound_only import is_sound_only
 
 __all__ = ["open_capture"]

@@ -11,7 +11,6 @@ from typing import Any
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import ProgressCallback
-from hgs_core.capture.capture import Capture
 from hgs_core.codec import Manifest, load_manifest
 from hgs_core.evaluate.run import evaluate_run
 from hgs_core.runs.run_folder import RunFolder, RunSpec
@@ -101,15 +100,6 @@ def read_run(path: Path, progress: ProgressCallback) -> FinishedRun:
         scores=scores,
         unscored=unscored,
     )
-
-
-def open_run(run: FinishedRun) -> Capture:
-    """Open the capture of a run.
-
-    Raises:
-        InputError: it is gone or has changed.
-    """
-    return run.spec.open_capture()
 
 
 def finite_number(value: Any) -> float | None:

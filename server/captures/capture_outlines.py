@@ -15,9 +15,10 @@ from typing import Any
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.storable_text import is_storable
+from hgs_core.capture.cameras.camera_formats import calibration
 from hgs_core.capture.cameras.rig import CameraFormat
 from hgs_core.capture.footage import FEWEST_VIDEOS, is_video, natural_order
-from hgs_core.capture.load import calibration, outline
+from hgs_core.capture.load import outline
 from hgs_core.capture.open import open_capture
 from hgs_core.capture.pictures.video import announced_length
 from server.captures.capture_folders import CaptureFolders

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from hgs_core.base.errors import InputError
+from hgs_core.capture.cameras.camera_formats import calibration
 from hgs_core.capture.capture import Capture
-from hgs_core.capture.load import Outline, calibration, outline
+from hgs_core.capture.load import Outline, outline
 from hgs_core.capture.open import open_capture
 from tests.hgs_core.capture import layouts
 from tests.hgs_core.capture.conftest import SAMPLE
