@@ -10,7 +10,7 @@ from hgs_core.base.errors import InputError
 from jobs.artifacts.publishing_lock import FileStoreLock, PostgresStoreLock
 from jobs.home.database import connection_url
 from jobs.home.home import Home
-from jobs.home.passing_faults import reason_to_wait
+from jobs.home.passing_faults import PassingFault, passing_fault
 
 
 class Waited(Exception):  # noqa: N818
@@ -67,4 +67,4 @@ class TestWithoutASharedFolder:
             )
             with pytest.raises(OSError, match="the job database") as caught:
                 require()
-        assert reason_to_wait(caught.value) == "the job database: Connection reset by peer"
+        assert passing_fault(caught.value) == PassingFault("the job database: Connection reset by peer")

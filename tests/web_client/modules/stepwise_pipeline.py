@@ -32,7 +32,7 @@ def create_run(
         config = config.changed({"capture.hold_out": ()})
     left = cameras - len(config.capture.hold_out)
     if left < 2:
-        raise InputError(
+        raise InputError.of_field(
             "config.capture.hold_out", f"leaves {left} of {cameras} cameras to train on", "keep at least 2"
         )
     if not (capture / "scene").is_dir():
