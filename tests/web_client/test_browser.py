@@ -142,7 +142,7 @@ def test_splats_thinner_than_a_pixel_are_drawn_as_the_scene_asks_or_the_other_wa
 
 @pytest.mark.parametrize("fades", [True, False])
 def test_what_is_near_fades_for_a_camera_that_a_visitor_has_placed(browser: Browser, site: Site, fades: bool) -> None:
-    """From 0.15 of the way to what the camera turns about; hardly anything is that near where that is near."""
+    """Splats fade below 0.15 of the distance to the target; near the target hardly any are that close."""
     import torch
 
     from hgs_core.render import rasterize
