@@ -45,7 +45,7 @@ def test_segments_share_the_statics_and_follow_each_other(capture: Capture, tmp_
     ]
     assert summary["iterations"] == 60
     assert summary["dynamic"] == sum(len(segment.dynamic) for segment in scene.segments)
-    assert [p.done for p in heard] == list(range(10, 61, 10))
+    assert [p.done for p in heard if p.done % 10 == 0] == list(range(10, 61, 10))  # a slow machine reports in between
     assert {p.total for p in heard} == {60}
 
 
