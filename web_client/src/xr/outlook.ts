@@ -41,7 +41,7 @@ export class Outlook {
 
   /** @param gl a context that is not lost; anew when it has come back. */
   attach(gl: WebGL2RenderingContext): void {
-    this.#camera = this.#last = this.#since = null; // what was taken may be of an empty scene
+    this.#camera = this.#last = this.#since = null; // possibly a panorama of an empty scene
     this.backdrop.attach(gl);
   }
 
