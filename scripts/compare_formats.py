@@ -9,6 +9,7 @@ move, every frame of `--fps` is drawn. FOLDER keeps the files and, of each, the 
 from __future__ import annotations
 
 import argparse
+import dataclasses
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -25,7 +26,7 @@ from hgs_core.base.progress import silent
 from hgs_core.fit.orbit_cameras import orbit_cameras
 from hgs_core.interchange import IMPORTED, export_scene, export_sequence, import_scene
 from hgs_core.metrics.psnr import psnr
-from hgs_core.render.rasterize import rasterize
+from hgs_core.render.scene_picture import scene_picture
 from hgs_core.runs.source import Source, open_source
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import HybridScene
@@ -105,18 +106,8 @@ def _kept(
 
 def _drawn(scene: HybridScene[Floats], camera: Camera, seconds: float, like: HybridScene[Floats]) -> Tensor:
     """Draw a scene, antialiased and before the background as the one that was exported."""
-    tensors = scene.map(torch.from_numpy)
-    segment = tensors.segment_at(seconds)
-    render = rasterize(
-        tensors.static,
-        segment.dynamic,
-        camera,
-        segment.normalised(seconds),
-        background=like.background,
-        antialiased=like.antialiased,
-        gradients="none",
-    )
-    return render.rgb.clamp(0, 1)
+    as_exported = dataclasses.replace(scene, background=like.background, antialiased=like.antialiased)
+    return scene_picture(as_exported.map(torch.from_numpy), camera, seconds).rgb.clamp(0, 1)
 
 
 def markdown(kept: Sequence[Kept]) -> str:

@@ -212,7 +212,7 @@ def check(scene_folder: Path, page: str, seconds: float | None) -> int:
 
     from benchmarks.viewers.browser import capture_canvas, find_chromium, psnr
     from hgs_core.codec import decode_scene, load_manifest
-    from hgs_core.render import rasterize
+    from hgs_core.render.scene_picture import scene_picture
     from hgs_core.scene.camera import Camera
 
     manifest = load_manifest(scene_folder / "manifest.json")
@@ -223,17 +223,7 @@ def check(scene_folder: Path, page: str, seconds: float | None) -> int:
     scores: list[float] = []
     for share in (0.25, 0.75) if chromium else ():
         moment = scene.start + share * (scene.end - scene.start)
-        segment = scene.segment_at(moment)
-        picture = rasterize(
-            scene.static,
-            segment.dynamic,
-            camera,
-            segment.normalised(moment),
-            background=scene.background,
-            gradients="none",
-            antialiased=scene.antialiased,
-            rig=manifest.rig,
-        ).rgb
+        picture = scene_picture(scene, camera, moment, rig=manifest.rig).rgb
         expected = np.rint(picture.clamp(0, 1).permute(1, 2, 0).numpy() * 255).astype(np.uint8)
         url = f"{page}?t={moment}&camera={camera.name}&paused=1&width={camera.width}&height={camera.height}&exact=1"
         scores.append(round(psnr(capture_canvas(url, camera.width, camera.height, chromium), expected), 2))

@@ -25,7 +25,7 @@ from hgs_core.codec.format.captured_space import CapturedSpace, Place
 from hgs_core.codec.format.manifest import Manifest
 from hgs_core.fit.find_seen_limits import view_from, with_seen_limits
 from hgs_core.fit.seen_share import SeenShare
-from hgs_core.render.rasterize import rasterize
+from hgs_core.render.scene_picture import scene_picture
 from hgs_core.runs.run_folder import RunFolder
 from hgs_core.scene.camera import Camera
 
@@ -52,21 +52,10 @@ def main() -> None:
     limits = with_seen_limits(box, manifest.center, manifest.up, scene=scene, cameras=trained)
     print(f"limits found in {time.process_time() - begun:.1f} s of processor time")
     seen, tensors = SeenShare(scene, trained), scene.map(torch.from_numpy)
-    seconds = (scene.start + scene.end) / 2
-    segment = tensors.segment_at(seconds)
     for name, space in (("box", box), ("limits", limits)):
         pictures, uncovered, unseen = [], [], []
         for eye in _eyes(manifest, space, options.views, options.seed):
-            drawn = rasterize(
-                tensors.static,
-                segment.dynamic,
-                eye,
-                segment.normalised(seconds),
-                background=scene.background,
-                antialiased=scene.antialiased,
-                gradients="none",
-                rig=manifest.rig,
-            )
+            drawn = scene_picture(tensors, eye, (scene.start + scene.end) / 2, rig=manifest.rig)
             pictures.append((drawn.rgb.clamp(0, 1) * 255).byte().permute(1, 2, 0).numpy())
             uncovered.append(float((drawn.alpha < 0.5).float().mean()))
             unseen.append(1 - seen.of(eye))

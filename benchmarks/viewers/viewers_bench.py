@@ -37,7 +37,7 @@ from hgs_core.render import rasterize
 from hgs_core.runs.imported import import_run
 from hgs_core.runs.run_config import RunConfig
 from hgs_core.runs.run_folder import RunFolder
-from hgs_core.scene.camera import Camera
+from hgs_core.scene.camera import Camera, looking_at
 from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSplats
 
 if TYPE_CHECKING:
@@ -240,12 +240,7 @@ def turned_camera(camera: Mapping[str, Any], degrees: float, size: tuple[int, in
     arm = np.asarray(camera["eye"]) - target
     c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
     arm = arm * c + np.cross(up, arm) * s + up * (up @ arm) * (1 - c)
-    forward = -arm / np.linalg.norm(arm)
-    right = np.cross(forward, up)
-    right /= np.linalg.norm(right)
-    pose = np.eye(4)
-    pose[:3, :3] = [right, np.cross(forward, right), forward]
-    pose[:3, 3] = -pose[:3, :3] @ (target + arm)
+    pose = looking_at(target + arm, target, up=up)
     width, height = size
     focal = 0.5 * height / math.tan(math.radians(camera["fovY"]) / 2)
     return Camera("bench", width, height, focal, focal, width / 2, height / 2, pose, near=camera["near"])

@@ -18,7 +18,7 @@ from hgs_core.codec import Manifest
 from hgs_core.evaluate.truth import Truth
 from hgs_core.metrics.psnr import psnr
 from hgs_core.render.moment import moment_of_dynamic
-from hgs_core.render.rasterize import rasterize
+from hgs_core.render.scene_picture import scene_picture
 from hgs_core.render.types import Render
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import HybridScene
@@ -85,19 +85,7 @@ class MagnifiedScorer:
         return scores
 
     def _drawn(self, camera: Camera, seconds: float) -> Render:
-        segment = self.scene.segment_at(seconds)
-        return rasterize(
-            self.scene.static,
-            segment.dynamic,
-            camera,
-            segment.normalised(seconds),
-            background=self.scene.background,
-            backend=self.backend,
-            gradients="none",
-            antialiased=self.scene.antialiased,
-            depth=True,
-            rig=self.manifest.rig,
-        )
+        return scene_picture(self.scene, camera, seconds, rig=self.manifest.rig, backend=self.backend, depth=True)
 
     def _depth_of_subject(self, camera: Camera, seconds: float) -> float:
         """Return the median depth of the movers in a camera's picture, else of the scene's centre; world units."""

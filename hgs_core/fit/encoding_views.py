@@ -41,9 +41,14 @@ class EncodeViews:
     first: int = 0  # first frame of a part of the capture
     up: tuple[float, float, float] | None = None  # unit vector, where somebody chose it; None: what the cameras tell
 
+    @property
+    def rig(self) -> list[Camera]:
+        """The cameras of the pictures that made the scene; none if there are no pictures."""
+        return list(self.trained.values()) if self.photographed else []
+
     def start_views(self, scene: HybridScene[Floats]) -> StartViews | None:
         """Return the first views of a scene; None for cameras without pictures, and where nothing moves."""
-        return find_start_views(scene, list(self.trained.values())) if self.photographed else None
+        return find_start_views(scene, self.rig) if self.photographed else None
 
     def first_camera(self, starts: StartViews | None) -> Camera:
         """Return the camera of the start on a wide screen."""

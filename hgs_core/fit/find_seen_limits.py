@@ -12,7 +12,7 @@ from hgs_core.base.arrays import Doubles, Floats
 from hgs_core.codec.format.captured_space import CapturedSpace, Place
 from hgs_core.codec.format.seen_limits import Range, SeenLimits
 from hgs_core.fit.seen_share import SeenShare
-from hgs_core.scene.camera import Camera
+from hgs_core.scene.camera import Camera, looking_at
 from hgs_core.scene.splats import HybridScene
 
 __all__ = ["limits_where", "view_from", "with_seen_limits"]
@@ -89,11 +89,7 @@ def view_from(space: CapturedSpace, place: Place, center: Triple, up: Triple, li
     elevation = min(max(place.elevation, -POLE), POLE)
     ahead = math.cos(place.azimuth) * front + math.sin(place.azimuth) * np.cross(upward, front)
     forward = -(math.cos(elevation) * ahead + math.sin(elevation) * upward)
-    right = np.cross(forward, upward)
-    right /= np.linalg.norm(right)
-    pose = np.eye(4)
-    pose[:3, :3] = right, np.cross(forward, right), forward
-    pose[:3, 3] = -pose[:3, :3] @ (np.array(center) - place.distance * forward)
+    pose = looking_at(np.array(center) - place.distance * forward, center, up=up)
     return dataclasses.replace(like, world_to_camera=pose, cx=like.width / 2, cy=like.height / 2)
 
 

@@ -15,7 +15,7 @@ from hgs_core.base.arrays import Doubles
 from hgs_core.codec.format.start_views import StartView, StartViews
 from hgs_core.render.contributions import contributions
 from hgs_core.render.moment import moment_of_dynamic
-from hgs_core.render.rasterize import rasterize
+from hgs_core.render.scene_picture import scene_picture
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import HybridScene
 
@@ -46,35 +46,34 @@ def find_start_views(scene: HybridScene[NDArray[np.float32]], cameras: Sequence[
     what the scene shows beside the picture. The views with the least beside the picture and with the least background
     win, then the largest movers in the middle, then cameras in the middle of the rig.
     """
-    movers = _movers(scene, cameras)
+    tensors = scene.map(torch.from_numpy)
+    movers = _movers(tensors, cameras)
     if movers is None:
         return None
     places = np.array([camera.position for camera in cameras])
     away = np.linalg.norm(places - places.mean(axis=0), axis=1)
     off_centre = away / max(away.max(), 1e-12)
-    found = {camera.name: box for camera in cameras if (box := _box(camera, movers)) is not None}
-    if not found:
+    boxes = [_box(camera, movers) for camera in cameras]
+    if not any(boxes):
         return None
-    tensors = scene.map(torch.from_numpy)
 
     def best(aspect: float) -> StartView:
-        costs = {}
-        for i, camera in enumerate(cameras):
-            if camera.name in found:
-                cost, box = _framed(tensors, camera, found[camera.name], aspect)
-                costs[cost + 0.1 * off_centre[i]] = StartView(camera.name, box)
-        return costs[min(costs)]
+        found = []
+        for camera, box, aside in zip(cameras, boxes, off_centre, strict=True):
+            if box is not None:
+                cost, whole = _framed(tensors, camera, box, aspect)
+                found.append((cost + 0.1 * aside, StartView(camera.name, whole)))
+        return min(found, key=lambda one: one[0])[1]
 
     return StartViews(best(WIDE), best(TALL))
 
 
-def _movers(scene: HybridScene[NDArray[np.float32]], cameras: Sequence[Camera]) -> _Movers | None:
+def _movers(scene: HybridScene[Tensor], cameras: Sequence[Camera]) -> _Movers | None:
     """Return the moving splats of the first seconds, weighted by the area that the cameras see of them."""
-    tensors = scene.map(torch.from_numpy)
-    still = len(tensors.static)
+    still = len(scene.static)
     points, weights = [], []
     for seconds in np.linspace(scene.start, min(scene.end, scene.start + SECONDS), MOMENTS):
-        segment = tensors.segment_at(float(seconds))
+        segment = scene.segment_at(float(seconds))
         if len(segment.dynamic) == 0:
             continue
         moment = segment.normalised(float(seconds))
@@ -82,7 +81,7 @@ def _movers(scene: HybridScene[NDArray[np.float32]], cameras: Sequence[Camera]) 
         seen = np.zeros(len(place))
         for camera in cameras:
             small = camera.within(SIDE)
-            shown = contributions(tensors.static, segment.dynamic, small, moment, antialiased=scene.antialiased)
+            shown = contributions(scene.static, segment.dynamic, small, moment, antialiased=scene.antialiased)
             _, depth = small.project(place)
             seen += shown.total[still:] * (np.maximum(depth, 0) / small.fx) ** 2
         points.append(place[seen > 0])
@@ -161,9 +160,4 @@ def _covered(scene: HybridScene[Tensor], camera: Camera, window: Box) -> float:
         cx=(camera.cx - x) * scale,
         cy=(camera.cy - y) * scale,
     )
-    segment = scene.segments[0]
-    moment = segment.normalised(scene.start)
-    render = rasterize(
-        scene.static, segment.dynamic, part, moment, gradients="none", antialiased=scene.antialiased, rig=(camera,)
-    )
-    return float(render.alpha.mean())
+    return float(scene_picture(scene, part, scene.start, rig=(camera,)).alpha.mean())

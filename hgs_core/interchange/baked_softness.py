@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Sequence
 
 import numpy as np
 
 from hgs_core.base.arrays import Doubles, Floats
+from hgs_core.interchange.smoothing_filter import widened
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.motion import position
 from hgs_core.scene.rotations import matrices, unit_quaternions
@@ -60,8 +62,7 @@ def _softened(
         shown += inside
         spacing[inside] = np.minimum(spacing[inside], depth[inside] / max(camera.fx, camera.fy))
     seen = shown > 0
-    added = np.where(seen, LOW_PASS * np.where(seen, spacing, 0.0) ** 2, 0.0)
-    scales = 0.5 * np.log(np.exp(2 * log_scales.astype(np.float64)) + added[:, None])
+    scales = widened(log_scales.astype(np.float64), math.sqrt(LOW_PASS) * np.where(seen, spacing, 0.0))
     if not faded:
         return scales.astype(np.float32), logits
     opacity = 1 / (1 + np.exp(-logits.astype(np.float64))) * np.where(seen, factors / np.maximum(shown, 1), 1.0)

@@ -12,16 +12,21 @@ from hgs_core.base.arrays import Doubles, Floats
 from hgs_core.interchange.changes import Action, Change
 from hgs_core.scene.opacities import logits_of_any, opacities_of
 
-__all__ = ["FILTER", "fused"]
+__all__ = ["FILTER", "fused", "widened"]
 
 FILTER = "filter_3D"
+
+
+def widened(log_scales: Doubles, widths: Doubles) -> Doubles:
+    """Return log-scales [N, 3] with variances larger by the squares of widths [N], world units."""
+    with np.errstate(divide="ignore"):
+        return np.asarray(np.logaddexp(2 * log_scales, 2 * np.log(np.abs(widths))[:, None]) / 2)
 
 
 def fused(log_scales: Floats, logits: Floats, widths: Doubles) -> tuple[Floats, Floats, Change]:
     """Return log-scales [N, 3] and logits [N] with filters of some widths [N], world units, applied to them."""
     scales = log_scales.astype(np.float64)
-    with np.errstate(divide="ignore"):
-        wider = np.logaddexp(2 * scales, 2 * np.log(np.abs(widths))[:, None]) / 2
+    wider = widened(scales, widths)
     shares = np.exp((scales - wider).sum(axis=1))
     met = np.isfinite(widths) & (widths != 0)
     opacity = logits_of_any(np.where(np.isnan(logits), np.nan, opacities_of(logits) * shares))

@@ -9,7 +9,7 @@ import numpy as np
 import torch
 from PIL import Image
 
-from hgs_core.render.rasterize import rasterize
+from hgs_core.render.scene_picture import scene_picture
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import HybridScene
 
@@ -22,18 +22,7 @@ _QUALITY = 85  # JPEG
 def thumbnail(scene: HybridScene[np.ndarray[Any, np.dtype[np.float32]]], camera: Camera) -> bytes:
     """Return a JPEG of the scene at the middle of its time, seen from `camera`, 480 pixels wide at most."""
     camera = thumbnail_size(camera)
-    seconds = (scene.start + scene.end) / 2
-    segment = scene.segment_at(seconds)
-    render = rasterize(
-        scene.static.map(torch.from_numpy),
-        segment.dynamic.map(torch.from_numpy),
-        camera,
-        segment.normalised(seconds),
-        gradients="none",
-        background=scene.background,
-        antialiased=scene.antialiased,
-    )
-    return as_jpeg(render.rgb)
+    return as_jpeg(scene_picture(scene.map(torch.from_numpy), camera, (scene.start + scene.end) / 2).rgb)
 
 
 def thumbnail_size(camera: Camera) -> Camera:

@@ -180,7 +180,6 @@ def _encode(
         settings = EncodeSettings(**json.loads(settings_file.read_bytes()))
         scene = dataclasses.replace(scene, static=StaticSplats.empty())
         utility = Utility(SetUtility(utility.static.shown[:0], utility.static.missed[:0]), utility.dynamic)
-    trained = list(whole.trained.values()) if whole.photographed else ()
     encode_scene(
         scene,
         folder.segment(number),
@@ -192,8 +191,8 @@ def _encode(
         thumbnail=picture,
         training=training,
         utility=utility,
-        trained=trained,
-        narrowed=partial(with_seen_limits, scene=scene, cameras=trained) if number == 0 else None,
+        trained=whole.rig,
+        narrowed=partial(with_seen_limits, scene=scene, cameras=whole.rig) if number == 0 else None,
         start_views=starts,
         up=whole.up,
         audio=audio,

@@ -94,7 +94,6 @@ def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, f
         "encoding_loss": round(found.loss.whole, 4),
         "encoding_loss_moving": None if found.loss.moving is None else round(found.loss.moving, 4),
     }
-    trained = list(views.trained.values()) if views.photographed else ()
     manifest = encode_scene(
         found.scene,
         folder.scene,
@@ -106,8 +105,8 @@ def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, f
         thumbnail=picture,
         training=training,
         utility=found.utility,
-        trained=trained,
-        narrowed=partial(with_seen_limits, scene=found.scene, cameras=trained),
+        trained=views.rig,
+        narrowed=partial(with_seen_limits, scene=found.scene, cameras=views.rig),
         start_views=starts,
         up=views.up,
         audio=scene_sound(folder, spec, views.capture, found.scene.start, found.scene.end),

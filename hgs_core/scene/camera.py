@@ -132,18 +132,25 @@ class Camera:
             raise InputError("camera", f"unreadable: {error!r}") from error
 
 
-def looking_at(position: npt.ArrayLike, target: npt.ArrayLike, roll: float = 0.0) -> npt.NDArray[np.float64]:
-    """Return the world-to-camera pose [4, 4] of a camera at a point that looks at another, the world's y pointing down.
+def looking_at(
+    position: npt.ArrayLike,
+    target: npt.ArrayLike,
+    roll: float = 0.0,
+    *,
+    up: npt.ArrayLike = (0.0, -1.0, 0.0),
+) -> npt.NDArray[np.float64]:
+    """Return the world-to-camera pose [4, 4] of a camera at a point that looks at another.
 
     Args:
         position: of the camera, [3].
         target: what it looks at, [3]; neither straight above nor straight below the camera.
         roll: radians by which its picture turns about its middle.
+        up: upward direction of the world, [3], of any length.
     """
     place = np.asarray(position, np.float64)
     forward = np.asarray(target, np.float64) - place
     forward /= np.linalg.norm(forward)
-    right = np.cross([0.0, 1.0, 0.0], forward)
+    right = np.cross(forward, np.asarray(up, np.float64))
     right /= np.linalg.norm(right)
     down = np.cross(forward, right)
     pose = np.eye(4)

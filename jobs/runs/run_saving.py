@@ -206,9 +206,7 @@ def _outcome_of(move: Callable[[], None]) -> StageOutcome:
         return _TAKEN
     except Exception as error:
         fault = passing_fault(error)
-        return (
-            StageOutcome(one_line(error))
-            if fault is None
-            else StageOutcome(waiting=fault.reason, cause=fault.cause or "")
-        )
+        if fault is None:
+            return StageOutcome(one_line(error))
+        return StageOutcome(waiting=fault.reason, cause=fault.cause or "")
     return StageOutcome()

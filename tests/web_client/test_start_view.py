@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import base64
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 
+from benchmarks.viewers.browser import canvas_pixels
 from hgs_core.codec import encode_scene
 from hgs_core.fit.find_start_views import find_start_views
 from tests.hgs_core.fit.test_find_start_views import FRONT, SIDE, scene
@@ -49,16 +49,10 @@ def test_all_that_moves_is_inside_the_canvas(
     page = context.new_page()
     page.goto(f"{address}?paused=1&t={time}")
     page.wait_for_function("() => window.hgs?.ready.then(() => true)")
-    columns, rows, encoded = page.evaluate(
-        """async () => {
-          const { width, height, data } = await window.hgs.readPixels();
-          let text = "";
-          for (let i = 0; i < data.length; i += 4) text += String.fromCharCode(data[i]);
-          return [width, height, btoa(text)];
-        }"""
-    )
+    picture = canvas_pixels(page)
     context.close()
-    red = np.frombuffer(base64.b64decode(encoded), np.uint8).reshape(rows, columns) > 64
+    red = picture[..., 0] > 64
+    rows, columns = red.shape
     assert red.any()
     y, x = np.nonzero(red)
     assert 0 < x.min() <= x.max() < columns - 1

@@ -22,7 +22,8 @@ export function rigOf({ photographed, cameras }: Pick<Manifest, "photographed" |
  * rig beside the view showed it; zeros without a rig.
  */
 export function magnification(rig: Rig, pose: Pose, { fx, fy }: Intrinsics): [number, number, number, number] {
-  const away = rig.map((camera) => length(subtract(eyeOf(camera), eyeOf(pose))) ** 2);
+  const eye = eyeOf(pose);
+  const away = rig.map((camera) => length(subtract(eyeOf(camera), eye)) ** 2);
   const farthest = Math.max(...away);
   const apart = rig.map(
     ({ rotation }, i) => away[i] + farthest * Math.max(0, 1 - dot(row(rotation, 2), row(pose.rotation, 2))) + TINY,

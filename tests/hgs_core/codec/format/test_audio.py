@@ -9,6 +9,7 @@ from hgs_core.base.errors import InputError
 from hgs_core.codec.format.audio import AudioEntry, AudioPiece, CodedAudio
 from hgs_core.codec.format.manifest_reading import read_manifest
 from tests.conftest import REPOSITORY
+from tests.json_faults import put
 
 VECTORS = REPOSITORY / "tests" / "vectors"
 CASES = json.loads((VECTORS / "audio.json").read_text())
@@ -30,13 +31,7 @@ def test_sound_survives_reading_and_writing_and_need_not_be_there() -> None:
 @pytest.mark.parametrize("case", CASES["invalid"], ids=str)
 def test_the_wrong_field_is_named(case: dict[str, Any]) -> None:
     changed: Any = document()
-    parent = changed["audio"]
-    for key in case["at"][:-1]:
-        parent = parent[key]
-    if case["value"] is None:
-        del parent[case["at"][-1]]
-    else:
-        parent[case["at"][-1]] = case["value"]
+    put(changed["audio"], case)
     with pytest.raises(InputError) as raised:
         read_manifest(changed)
     assert raised.value.where == f"manifest.{case['field']}"

@@ -10,6 +10,7 @@ from hgs_core.base.errors import InputError
 from hgs_core.codec import load_manifest
 from hgs_core.codec.format.manifest_reading import read_manifest
 from tests.conftest import REPOSITORY
+from tests.json_faults import put
 
 VECTORS = REPOSITORY / "tests" / "vectors"
 
@@ -53,13 +54,7 @@ def test_a_manifest_may_leave_the_captured_space_unknown_or_open_all_round() -> 
 @pytest.mark.parametrize("case", json.loads((VECTORS / "invalid_manifest.json").read_text()), ids=str)
 def test_the_wrong_field_is_named(case: dict[str, Any]) -> None:
     changed: Any = document()
-    parent = changed
-    for key in case["at"][:-1]:
-        parent = parent[key]
-    if case["value"] is None:
-        del parent[case["at"][-1]]
-    else:
-        parent[case["at"][-1]] = case["value"]
+    put(changed, case)
     with pytest.raises(InputError) as caught:
         read_manifest(changed)
     assert caught.value.where == case["field"]

@@ -14,6 +14,7 @@ from hgs_core.codec.format.captured_space import CapturedSpace, Place
 from hgs_core.codec.format.json_fields import field_of
 from hgs_core.codec.format.seen_limits import SeenLimits
 from tests.conftest import REPOSITORY
+from tests.json_faults import put
 
 VECTORS = REPOSITORY / "tests" / "vectors"
 CASES = [case for case in json.loads((VECTORS / "captured_space.json").read_text()) if "seen" in case["captured_space"]]
@@ -84,13 +85,7 @@ def test_a_space_that_is_open_all_round_stays_so() -> None:
 @pytest.mark.parametrize("case", INVALID, ids=str)
 def test_the_wrong_field_is_named(case: dict[str, Any]) -> None:
     document = json.loads(json.dumps(CASES[0]["captured_space"]))
-    parent: Any = document["seen"]
-    for key in case["at"][:-1]:
-        parent = parent[key]
-    if case["value"] is None:
-        del parent[case["at"][-1]]
-    else:
-        parent[case["at"][-1]] = case["value"]
+    put(document["seen"], case)
     with pytest.raises(InputError) as raised:
         CapturedSpace.read(field_of(document, "space"))
     assert raised.value.where == f"space.{case['field']}"
