@@ -4,10 +4,10 @@ A process of its own frees its memory (also on the GPU) when it ends and can be 
 started it by plain means:
 
 - stdout: JSON lines, `{"stage", "done", "total", "figures"}` at most twice a second; before it fails `{"error"}`, or
-  `{"waiting"}` if the fault is one that passes: of the store, a disk or a mount;
+  `{"waiting"}` if the fault is one that passes: of the store, a disk or a mount (see stage_outcome.py);
 - stderr: when it began and ended, whatever the libraries print, and the traceback of a failure;
 - `{"publish"}` on stdout asks the worker to publish what a training by segments has made so far: the stage may lack the
-  secrets for that. The answer comes on stdin, `{"error", "waiting"}`, both empty if all went well;
+  secrets for that. The answer comes on stdin, in the same form, `{}` if all went well;
 - stdin: when it closes the worker is gone, and the process ends at once;
 - SIGTERM, SIGINT: the stage saves what it can resume from and stops.
 
@@ -31,7 +31,7 @@ import time
 import traceback
 from collections.abc import Callable
 from pathlib import Path
-from types import FrameType
+from types import FrameType, ModuleType
 from typing import IO, Any, NoReturn
 
 from hgs_core.base.errors import InputError
@@ -46,11 +46,11 @@ from jobs.process.memory_limit import out_of_memory
 from jobs.process.parent_process import when_parent_is_gone
 from jobs.process.process_tree import ProcessTree
 from jobs.process.stage_environment import keep_secrets
+from jobs.process.stage_outcome import Done, ExitStatus, Failed, Killed, Waits, read_outcome, record_of
 from jobs.runs.shared_segments import Exchange, help_with_segment, make_segments
 
 __all__ = ["main"]
 
-DONE, FAILED, BAD_INPUT, LATER, ORPHANED, STOPPED = 0, 1, 2, 69, 70, 75  # exit status; from 69 on as in sysexits.h
 REPORT_INTERVAL = 0.5  # seconds between two progress lines
 LOCK_WAIT = 60.0  # seconds to wait for an earlier process of the same run to end
 
@@ -86,8 +86,8 @@ def main(arguments: list[str] | None = None) -> int:
                 if options.stage not in (HELP, SHOW):  # these run beside the one that has the lock
                     held.enter_context(RunFolder(options.run).exclusive(LOCK_WAIT, lambda: _lost(report)))
             except InputError as error:  # an earlier process: on another machine, or one that cannot be killed
-                _send(report, {"waiting": str(error)})
-                return LATER
+                _send(report, record_of(Waits(str(error))))
+                return ExitStatus.LATER
             began = time.monotonic()
             log.info("%s begins", options.stage)
             publish = functools.partial(_ask_to_publish, report, answers)
@@ -95,12 +95,12 @@ def main(arguments: list[str] | None = None) -> int:
             log.info("%s is complete after %.1f s", options.stage, time.monotonic() - began)
     except StageStopped:
         log.info("%s was asked to stop, and has saved what it needs to go on", options.stage)
-        return STOPPED
+        return ExitStatus.STOPPED
     except Exception as error:
         return _explain(error, report)
     finally:
         ProcessTree(os.getpid()).kill()  # it alone knows all of its descendants
-    return DONE
+    return ExitStatus.DONE
 
 
 def _end() -> NoReturn:
@@ -108,36 +108,37 @@ def _end() -> NoReturn:
     with contextlib.suppress(ChildProcessError):  # no children: nothing to look for
         os.waitpid(-1, os.WNOHANG)
         ProcessTree(os.getpid()).kill()
-    os._exit(ORPHANED)
+    os._exit(ExitStatus.ORPHANED)
 
 
 def _lost(report: IO[str]) -> NoReturn:
-    _send(report, {"waiting": "another process has taken this run over"})
-    os._exit(LATER)
+    _send(report, record_of(Waits("another process has taken this run over")))
+    os._exit(ExitStatus.LATER)
 
 
-def _explain(error: Exception, report: IO[str]) -> int:
-    """Tell the worker in one line why the stage failed, and return the exit status."""
-    if isinstance(error, _NotPublishedError):  # it was told to the worker's log already
-        _send(report, error.outcome)
-        return LATER if error.outcome["waiting"] else FAILED
-    limit = met_file_limit(error)  # too many open files: of a worker that passes, but of a stage it would come again
-    fault = None if limit else passing_fault(error)
-    if limit:
-        _send(report, {"error": limit})
-    elif fault is not None:
-        _send(report, {"waiting": fault.reason})
-    elif isinstance(error, InputError):
-        _send(report, {"error": str(error)})
-        return BAD_INPUT
-    elif too_little := out_of_memory(error):
-        _send(report, {"error": too_little})
-    else:
-        summary = " ".join(str(error).split()) or "no message"
-        _send(report, {"error": f"{type(error).__name__}: {summary}"})
-    with contextlib.suppress(OSError):  # the log may lie on the disk that is full
-        traceback.print_exception(error)
-    return FAILED if fault is None else LATER
+def _explain(error: Exception, report: IO[str]) -> ExitStatus:
+    """Report the reason of a failure to the worker, in one line, and return the exit status."""
+    outcome, status = _verdict(error)
+    _send(report, record_of(outcome))
+    if status != ExitStatus.BAD_INPUT and not isinstance(error, _NotPublishedError):  # the worker logged that already
+        with contextlib.suppress(OSError):  # the log may lie on the disk that is full
+            traceback.print_exception(error)
+    return status
+
+
+def _verdict(error: Exception) -> tuple[Failed | Waits, ExitStatus]:
+    if isinstance(error, _NotPublishedError):
+        return error.outcome, ExitStatus.LATER if isinstance(error.outcome, Waits) else ExitStatus.FAILED
+    if limit := met_file_limit(error):  # too many open files: of a worker that passes, but of a stage it would recur
+        return Failed(limit), ExitStatus.FAILED
+    if (fault := passing_fault(error)) is not None:
+        return Waits(fault.reason), ExitStatus.LATER
+    if isinstance(error, InputError):
+        return Failed(str(error)), ExitStatus.BAD_INPUT
+    if too_little := out_of_memory(error):
+        return Failed(too_little), ExitStatus.FAILED
+    summary = " ".join(str(error).split()) or "no message"
+    return Failed(f"{type(error).__name__}: {summary}"), ExitStatus.FAILED
 
 
 def _run(
@@ -155,6 +156,8 @@ def _run(
         open_store(home).put_scene(run / "scene", run.name, progress)
         return
     pipeline = importlib.import_module(home.pipeline)
+    if stage == STAGES[0]:
+        _state_need(pipeline, run, home)
     exchange: Exchange | None = None
     with contextlib.ExitStack() as held:
         if home.runs_in_store and stage == HELP:
@@ -175,20 +178,39 @@ def _run(
             getattr(pipeline, stage)(run, progress)
 
 
+def _state_need(pipeline: ModuleType, run: Path, home: Home) -> None:
+    """Log the need of a job before any of its work.
+
+    Raises:
+        InputError: this machine, or the memory that a stage of the job is given, is less than that.
+    """
+    require_room = getattr(pipeline, "require_room", None)
+    if require_room is not None:
+        memory = home.limits.memory
+        limits = {} if memory is None else {name: memory.of(name) for name in STAGES}
+        need = require_room(run, limits)
+        if need is not None:
+            log.info("the training %s", need.sentence())
+
+
 class _NotPublishedError(Exception):
     """The worker could not publish; `outcome` is its answer."""
 
-    def __init__(self, outcome: dict[str, str]) -> None:
-        super().__init__(outcome["waiting"] or outcome["error"])
+    def __init__(self, outcome: Failed | Waits) -> None:
+        super().__init__(outcome)
         self.outcome = outcome
 
 
 def _ask_to_publish(report: IO[str], answers: queue.SimpleQueue[bytes]) -> None:
     """Have the worker publish the scene as far as it is made. One thread at a time may ask."""
     _send(report, {"publish": True})
-    outcome = json.loads(answers.get())
-    if outcome["waiting"] or outcome["error"]:
-        raise _NotPublishedError(outcome)
+    match read_outcome(json.loads(answers.get())):
+        case Failed() | Waits() as outcome:
+            raise _NotPublishedError(outcome)
+        case Killed(reason):  # the stage is not to blame
+            raise _NotPublishedError(Waits(reason))
+        case Done():
+            return
 
 
 def _claim_stdout() -> IO[str]:

@@ -114,7 +114,7 @@ def run_worker(home: Home, *, exit_with_parent: bool = False) -> NoReturn:
         try:
             recovery.give_up_lost()
             recovery.keep_alive()
-            refusal = _refusal(surroundings, workflow, doubtful=recovery.take_over())
+            refusal = _refusal(surroundings, doubtful=recovery.take_over())
             gate.close_for(refusal)
             recovery.wake()
             recovery.settle()
@@ -161,9 +161,9 @@ class _Gate:
         return self._running.add("no workflow", TRAINING_QUEUE)
 
 
-def _refusal(surroundings: Surroundings, workflow: TrainingWorkflow, *, doubtful: bool) -> str:
+def _refusal(surroundings: Surroundings, *, doubtful: bool) -> str:
     """Return why this worker must not take a job now; "" if it may."""
-    lacking = surroundings.of_machine() or workflow.missed_capture()
+    lacking = surroundings.of_machine()
     if lacking is not None:
         return lacking.reason
     return "another worker seems to have died, and its job comes before younger ones" if doubtful else ""

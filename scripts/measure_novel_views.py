@@ -40,7 +40,7 @@ def main() -> None:
     parser.add_argument("run", type=Path)
     parser.add_argument("--views", type=int, default=49)
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--pictures", type=Path, help="folder for box.png and limits.png")
+    parser.add_argument("--pictures", type=Path, help="folder for box.png and limits.png, and small ones, .webp")
     options = parser.parse_args()
     folder = RunFolder(options.run)
     manifest, scene = load_manifest(folder.scene), decode_scene(folder.scene)
@@ -67,7 +67,10 @@ def main() -> None:
         )
         if options.pictures is not None:
             options.pictures.mkdir(parents=True, exist_ok=True)
-            Image.fromarray(_sheet(pictures)).save(options.pictures / f"{name}.png")
+            sheet = Image.fromarray(_sheet(pictures))
+            sheet.save(options.pictures / f"{name}.png")
+            small = sheet.resize((sheet.width * 2 // 3, sheet.height * 2 // 3), Image.Resampling.LANCZOS)
+            small.save(options.pictures / f"{name}.webp", quality=50, method=6)
 
 
 def _eyes(manifest: Manifest, space: CapturedSpace, count: int, seed: int) -> Iterator[Camera]:

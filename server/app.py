@@ -11,6 +11,7 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 
 from fastapi import FastAPI
+from fastapi.telemetry import TelemetryConfig
 from starlette.middleware.cors import CORSMiddleware
 
 from jobs.artifacts.artifact_store import open_store
@@ -58,6 +59,10 @@ from server.uploads.uploads import Uploads
 __all__ = ["create_app"]
 
 SWEEP_SECONDS = 600.0
+
+# FastAPI would give every request's address, and with it links' tokens, to any tracer that the process has, and send
+# it where variables of the environment say. Metrics are at /metrics.
+NO_TELEMETRY: TelemetryConfig = {"tracing": False, "metrics": False, "logs": False, "auto_configure": False}
 
 log = logging.getLogger("hgs.server")
 
@@ -120,7 +125,7 @@ def create_app(
         received.close()
         service.jobs.close()
 
-    app = FastAPI(title="HGS", lifespan=lifespan, openapi_url=None, redirect_slashes=False)
+    app = FastAPI(title="HGS", lifespan=lifespan, openapi_url=None, redirect_slashes=False, telemetry=NO_TELEMETRY)
     app.state.service, app.state.api = service, []
     install_problem_handlers(app)
     app.add_middleware(StreamAdmission, streams=service.streams, refused=metrics.refused.inc)

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
+from hypothesis import settings
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
@@ -16,6 +17,14 @@ if TYPE_CHECKING:
     from tests.jobs.modules.s3_server import S3Server
 
 REPOSITORY = Path(__file__).resolve().parent.parent
+
+# Several workers share the cores, where small operations of torch that each take all of them wait for each other: 30
+# pictures of 64x48 took 8 s of processor, and 0.3 s with one thread. OpenMP's variable would bind numpy's BLAS, too.
+os.environ.setdefault("MKL_NUM_THREADS", "1")
+
+# A property holds however long the machine takes to try an example.
+settings.register_profile("untimed", deadline=None)
+settings.load_profile("untimed")
 
 # A shell starts jobs in the background with SIGINT ignored, and processes that tests start and interrupt inherit that.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
@@ -25,6 +34,13 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 def pytest_make_parametrize_id(val: object, argname: str) -> str | None:
     """Name binary values by their parameter: bytes may tell the time, and workers must collect the same names."""
     return argname if isinstance(val, bytes) and not (val.isascii() and val.decode().isprintable()) else None
+
+
+@pytest.fixture
+def small_views(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Made-up views of an imported scene have a sixteenth of their pixels: for tests of other things than the loss."""
+    monkeypatch.setattr("hgs_core.fit.orbit_cameras.SIZE", (160, 120))
+    monkeypatch.setattr("hgs_core.fit.orbit_cameras.FOCAL", 140.0)
 
 
 @pytest.fixture(scope="session")

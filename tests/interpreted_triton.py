@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import os
+import threading
 from collections.abc import Callable
 from typing import Any
 
@@ -21,7 +22,8 @@ def prepare() -> None:
 
     Triton decides when it is imported whether it interprets; nothing else in the test suite imports it earlier. Its
     interpreter prepares `triton.language` anew at every call of every function of a kernel: here once. It also computes
-    the values of masked lanes; numpy's warnings about these mean nothing.
+    the values of masked lanes; numpy's warnings about these mean nothing. Its place in the grid is a global: one launch
+    at a time, whereas a device takes them from any thread.
     """
     if DEVICE == "cuda" or os.environ.get("TRITON_INTERPRET") == "1":
         return
@@ -40,8 +42,10 @@ def prepare() -> None:
 
     launch = interpreter.GridExecutor.__call__
 
+    one_launch = threading.Lock()
+
     def launch_quietly(self: Any, *args: Any, **kwargs: Any) -> None:
-        with np.errstate(all="ignore"):
+        with one_launch, np.errstate(all="ignore"):
             launch(self, *args, **kwargs)
 
     interpreter._patch_lang = patch_once

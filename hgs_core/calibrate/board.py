@@ -5,15 +5,14 @@ OpenCV finds the board; it is loaded when it is first needed.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from hgs_core.base.cores import core_pool
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback
 
@@ -97,7 +96,7 @@ def find_board(
         return seen
 
     found: list[Sighting] = []
-    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+    with core_pool() as pool:
         for done, seen in enumerate(pool.map(of_camera, range(cameras)), 1):
             found += seen
             progress(Progress("board", done, cameras))

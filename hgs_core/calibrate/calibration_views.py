@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
+from hgs_core.base.cores import core_pool
 from hgs_core.base.progress import Progress, ProgressCallback
 from hgs_core.capture.pictures.picture import reduced_picture
 from hgs_core.points.features import Features, extract_features
@@ -62,7 +61,7 @@ def look(
     def one(camera: int) -> View:
         return _view(names[camera], known[camera], [read(camera, frame) for frame in moments])
 
-    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+    with core_pool() as pool:
         for done, view in enumerate(pool.map(one, range(len(names))), 1):
             views.append(view)
             progress(Progress("features", done, len(names)))

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -14,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image
 
+from hgs_core.base.cores import core_pool
 from hgs_core.base.progress import Progress, ProgressCallback
 from hgs_core.calibrate.calibration_views import View
 from hgs_core.points.features import mutual_matches
@@ -132,7 +131,7 @@ def _match(views: Sequence[View], progress: ProgressCallback) -> dict[tuple[int,
         return np.concatenate(found).astype(np.uint32)
 
     result = {}
-    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+    with core_pool() as pool:
         for done, (pair, rows) in enumerate(zip(wanted, pool.map(of_pair, wanted), strict=True), 1):
             if len(rows) >= _FEWEST_MATCHES:
                 result[pair] = rows

@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import hashlib
-import threading
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
 
 from hgs_core.base.errors import InputError
-from hgs_core.capture.pictures.picture_cache import FrameCache, Neighbour
+from hgs_core.base.progress import ProgressCallback, silent
+from hgs_core.capture.held_pictures import FrameSource, HeldPictures
 from hgs_core.scene.camera import Camera
 
-__all__ = ["CameraVideo", "Capture", "FrameSource", "files_fingerprint"]
+__all__ = ["CameraVideo", "Capture", "files_fingerprint"]
 
 
 @dataclass(frozen=True)
@@ -28,23 +27,11 @@ class CameraVideo:
     interlaced: bool = False  # whether it says that a picture is of two moments, half a period apart
 
 
-class FrameSource(Protocol):
-    """Where the pictures of a layout come from. Calls for the same camera never overlap; others may."""
-
-    def read(self, camera: int, frame: int, neighbours: int) -> tuple[npt.NDArray[np.uint8], Iterable[Neighbour]]:
-        """Return the picture [H, W, 3], and up to `neighbours` others that had to be decoded on the way."""
-
-    def read_mask(self, camera: int, frame: int) -> npt.NDArray[np.bool_] | None:
-        """Return the given motion mask [H, W], or None if the capture has none for this camera."""
-
-    def mask_file(self, camera: int, frame: int) -> Path | None:
-        """Return the file of a given mask, or None if the capture has none for this camera."""
-
-
 class Capture:
     """A multi-view video: cameras that never move, on one clock; or photographs of a still scene, all of one moment.
 
-    Pictures are decoded on demand into a cache of bounded size. All methods are safe to call from several threads.
+    Pictures are decoded on demand into a cache of bounded size, or ahead by `hold`. All methods are safe to call from
+    several threads.
     """
 
     def __init__(
@@ -61,7 +48,9 @@ class Capture:
         notes: Sequence[str] = (),
         unaligned: Sequence[Path] = (),
         left_out: Sequence[str] = (),
+        mirrored: bool = False,
         videos: Sequence[CameraVideo | None] = (),  # one for each camera; None: it has pictures
+        straightened: Sequence[bool] = (),  # whether each camera's lens bends; empty: none does
     ) -> None:
         """Loaders call this; everybody else calls `open_capture`.
 
@@ -87,15 +76,13 @@ class Capture:
         self.notes = tuple(notes)  # notes for people: omitted files, found masks
         self.unaligned = tuple(unaligned)  # the cameras' videos, where nothing says when they began; else none
         self.left_out = tuple(left_out)  # footage beside the cameras', of which there is no camera
+        self.mirrored = mirrored  # whether all poses were reflections, and x of the world was turned: a guess
         self._videos = tuple(videos)
+        self.straightened = tuple(straightened) or (False,) * len(names)  # whether pictures are made straight
         self._source = source
         self._fingerprint = fingerprint
         self.cache_bytes = cache_bytes  # bytes of decoded pictures
-        self._cache = FrameCache(cache_bytes)
-        self._locks = tuple(threading.Lock() for _ in cameras)
-        # Each camera may fill its share of the cache with frames that were decoded only on the way to another.
-        largest = max(camera.width * camera.height * 3 for camera in cameras)
-        self._neighbours = max(0, cache_bytes // largest // len(cameras) - 1)
+        self._pictures = HeldPictures(source, self.cameras, cache_bytes)
 
     @property
     def seconds(self) -> float:
@@ -117,18 +104,35 @@ class Capture:
             IndexError: no such camera or frame.
         """
         self._check(camera, frame)
-        picture = self._cache.get(camera, frame)
-        if picture is not None:
-            return picture
-        with self._locks[camera]:
-            picture = self._cache.get(camera, frame)  # another thread may have decoded it while this one waited
-            if picture is None:
-                picture, passed = self._source.read(camera, frame, self._neighbours)
-                for index, neighbour in passed:
-                    self._cache.put(camera, index, neighbour)
-                picture.flags.writeable = False
-                self._cache.put(camera, frame, picture)
-        return picture
+        return self._pictures.picture(camera, frame)
+
+    @property
+    def room(self) -> int:
+        """Bytes of decoded pictures that can be held for random access."""
+        return self._pictures.room
+
+    def keep_on_disk(self, folder: Path, limit: int) -> None:
+        """Let `hold` keep at most `limit` bytes of pictures in a folder, if they do not all fit in memory.
+
+        Raises:
+            InputError: the folder cannot be read.
+        """
+        self._pictures.keep_on_disk(folder, limit, self._fingerprint, frames=len(self.times))
+
+    def hold(self, cameras: Sequence[int], frames: Sequence[int], progress: ProgressCallback = silent) -> None:
+        """Decode pictures ahead, on all cores, for `frame` to give in any order; nothing is done where they do not fit.
+
+        Progress is reported by pictures, as the stage `frames`.
+
+        Raises:
+            InputError: a picture is unreadable or of another size than its camera's, or the disk is full.
+            StageStopped: the callback wishes so.
+        """
+        self._pictures.hold(cameras, frames, progress)
+
+    def expect(self, pictures: Iterable[tuple[int, int]]) -> None:
+        """Have held pictures (camera, frame) read from the disk ahead, where that is where they are."""
+        self._pictures.expect(pictures)
 
     def moment(self, camera: int, frame: int) -> float:
         """Return the second at which a camera took a frame: at most half a period from `times[frame]`.

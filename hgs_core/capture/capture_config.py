@@ -20,6 +20,7 @@ SYNC_BY = ("auto", "audio", "motion", "none")
 _RANGES: dict[str, Range] = {
     "downscale": (1, 512),  # an 8K picture is 16 pixels wide then, the least that a capture may have
     "frame_memory_mib": (1, 1 << 20),  # a TiB, more than machines have
+    "picture_disk_gib": (0, 1 << 20),  # a PiB
 }
 
 _MOST_HELD_OUT = 1000  # cameras; no rig has as many
@@ -28,14 +29,16 @@ _LONGEST_NAME = 255  # characters; file systems have no longer names, and camera
 
 @dataclass(frozen=True)
 class CaptureConfig:
-    """Which cameras of a capture a run may see, how large, and how much memory their frames may take."""
+    """Which cameras of a capture a run may see, how large, and how much memory and disk their pictures may take."""
 
     hold_out: tuple[
         str, ...
     ] = ()  # camera names that neither training nor initialisation may see; ("auto",): one of six
     downscale: int = 1  # pictures are reduced by this factor when they are read, for training and scores alike
     downscale_cameras: tuple[str, ...] = ()  # "cam04=4": those that are reduced by another factor than the others
-    frame_memory_mib: int = 1536  # MiB of decoded frames; longer captures are visited in blocks that fit
+    frame_memory_mib: int = 1536  # MiB of decoded pictures; those of larger captures are kept on disk
+    picture_disk_gib: int = 32  # GiB of decoded pictures on disk; longer captures are visited in blocks that fit
+    keep_pictures: bool = False  # whether they stay there when the scene is encoded
     trust_poses: bool = False  # train whatever the check of the capture says
     sync: str = "auto"  # source for unknown starts of videos: auto, audio, motion or none
 
@@ -51,8 +54,13 @@ class CaptureConfig:
 
     @property
     def cache_bytes(self) -> int:
-        """The memory for decoded frames, bytes."""
+        """The memory for decoded pictures, bytes."""
         return self.frame_memory_mib << 20
+
+    @property
+    def disk_bytes(self) -> int:
+        """The room for decoded pictures on disk, bytes."""
+        return self.picture_disk_gib << 30
 
     @property
     def reductions(self) -> dict[str, int]:

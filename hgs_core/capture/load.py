@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from hgs_core.base.errors import InputError
+from hgs_core.capture.cameras.corrected_poses import with_corrections
 from hgs_core.capture.cameras.rig import CameraFormat, Rig
 from hgs_core.capture.cameras.rigid_poses import with_rigid_poses
 from hgs_core.capture.footage import Footage
@@ -41,11 +42,17 @@ class Outline:
 
 
 def load(
-    capture: Path, camera_format: CameraFormat, file: Path, masks: Path | None, found: Path | None = None
+    capture: Path,
+    camera_format: CameraFormat,
+    file: Path,
+    masks: Path | None,
+    found: Path | None = None,
+    index: Path | None = None,
 ) -> Recording:
     """Read a capture with cameras of one format; `masks` replaces its own folder of masks.
 
-    `found` is a folder with a sync.json that counts where the capture has none.
+    `found` is a folder with a sync.json that counts where the capture has none, `index` one that keeps the time stamps
+    of videos.
 
     Raises:
         InputError: a file is missing, unreadable, damaged or inconsistent. Damage inside a video or in later pictures
@@ -53,7 +60,8 @@ def load(
     """
     rig = with_rigid_poses(camera_format.read(capture, file))
     matched = match_footage(capture, rig)
-    readers = [_reader(name, one) for name, one in zip(matched.names, matched.footage, strict=True)]
+    rig = with_corrections(capture, rig, matched.names)
+    readers = [_reader(name, one, index) for name, one in zip(matched.names, matched.footage, strict=True)]
     shapes = show_as_calibrated(rig.cameras, matched.names, readers)
     views = [
         StraightView.of(calibrated.camera(name, reader.width, reader.height), calibrated.lens)
@@ -85,6 +93,7 @@ def load(
         (*rig.notes, *matched.notes, *shapes, *_of_pictures(matched.names, readers), *times.notes, *said, *clock.notes),
         () if times.told else tuple(one.files[0] for one in matched.footage if one.video),
         matched.left_out,
+        rig.mirrored,
     )
 
 
@@ -122,8 +131,8 @@ def outline(capture: Path, camera_format: CameraFormat, file: Path) -> Outline:
     return Outline(matched.names, len(first.files), len(first.files) / rate)
 
 
-def _reader(name: str, footage: Footage) -> VideoReader | PictureSequence:
-    return VideoReader(footage.files[0]) if footage.video else PictureSequence(name, footage.files)
+def _reader(name: str, footage: Footage, index: Path | None) -> VideoReader | PictureSequence:
+    return VideoReader(footage.files[0], index=index) if footage.video else PictureSequence(name, footage.files)
 
 
 def _numbers(capture: Path, rig: Rig, matched: Matched, sync: Sync) -> tuple[PictureNumbers | None, list[str]]:

@@ -26,6 +26,7 @@ def open_capture(
     reductions: Mapping[str, int] = MappingProxyType({}),
     cache_bytes: int = 1 << 30,
     found: Path | None = None,
+    index: Path | None = None,
 ) -> Capture:
     """Open the capture in a folder of any layout (docs/captures.md).
 
@@ -36,6 +37,7 @@ def open_capture(
         reductions: by camera, where it is another factor.
         cache_bytes: at most so much of decoded pictures is kept.
         found: a folder with cameras, or a sync.json, that count where the capture has none of its own.
+        index: a folder that keeps the time stamps of videos, so that the next opening does not read all packets again.
 
     Raises:
         InputError: the folder is missing, empty, of no known layout, or its files are missing, damaged or inconsistent.
@@ -61,7 +63,7 @@ def open_capture(
         known = list(calibration(found))[:1]
     if not known:
         raise _unknown(path)
-    recording = load(path, *known[0], masks, found)
+    recording = load(path, *known[0], masks, found, index)
     aside = ", ".join(str(file.relative_to(path)) for _, file in known[1:])
     notes = (f"the cameras are those of {known[0][1].relative_to(path)}; {aside} is left aside",) if aside else ()
     return recording.capture(downscale=downscale, reductions=reductions, cache_bytes=cache_bytes, notes=notes)
@@ -69,16 +71,17 @@ def open_capture(
 
 def _unknown(path: Path) -> InputError:
     known = ", ".join(f"{camera_format.name} ({camera_format.files})" for camera_format in CAMERA_FORMATS)
+    begin = "put a video of each camera into it, cam00.mp4 and so on"
     if not any(path.iterdir()):
-        return InputError(path, "the folder is empty", f"the cameras' formats known are {known}")
+        return InputError(path, "the folder is empty", begin)
     places = find_places(path)
     if not places:
-        return InputError(path, "the folder is of no known layout", f"the cameras' formats known are {known}")
+        return InputError(path, f"the folder is of no known layout; the cameras' formats known are {known}", begin)
     place = min(places, key=lambda place: place.kind == "photographs")
     count = sum(not (one.video and is_sound_only(one.files[0])) for one in place.footage)
     what = {"videos": ("video", ""), "folders": ("folder of pictures", "folders of pictures")}.get(place.kind)
-    problem = f"there are {counted(count, *(what or ('picture', '')))} but no file of the cameras' poses"
-    cure = f"put a calibration beside them, by COLMAP, say; known are {known}"
+    there = f"there are {counted(count, *(what or ('picture', '')))} but no file of the cameras' poses"
+    cure = "put one beside them: COLMAP writes sparse/0/cameras.bin and images.bin"
     if place.kind == "videos" and count >= FEWEST_VIDEOS:
-        cure = f"have them found: hgs cameras {shlex.quote(str(path))}; known are {known}"
-    return InputError(path, problem, cure)
+        cure = f"have them found: hgs cameras {shlex.quote(str(path))}"
+    return InputError(path, f"{there}, of the formats {known}", cure)

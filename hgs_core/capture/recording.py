@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from hgs_core.base.errors import InputError
 from hgs_core.capture.capture import CameraVideo, Capture, files_fingerprint
+from hgs_core.capture.lenses.lens import PINHOLE
 from hgs_core.capture.lenses.straighten import WIDEST, StraightView
 from hgs_core.capture.pictures.mask_files import MaskFiles
 from hgs_core.capture.pictures.picture import reduced_mask, reduced_picture
@@ -47,6 +48,7 @@ class Recording:
     notes: tuple[str, ...] = ()  # omissions, for people
     unaligned: tuple[Path, ...] = ()  # the cameras' videos, where nothing says when they began
     left_out: tuple[str, ...] = ()  # footage beside the cameras', of which there is no camera
+    mirrored: bool = False  # whether all poses were reflections
 
     def capture(
         self,
@@ -93,10 +95,12 @@ class Recording:
             notes=said,
             unaligned=self.unaligned,
             left_out=self.left_out,
+            mirrored=self.mirrored,
             videos=[
                 CameraVideo(r.path, r.seconds, r.interlaced) if isinstance(r, VideoReader) else None
                 for r in self.readers
             ],
+            straightened=[view.lens != PINHOLE for view in self.views],
         )
 
 

@@ -17,14 +17,16 @@ from hgs_core.check.evidence import Evidence, gather
 from hgs_core.check.findings import CameraResult, CaptureCheck, Finding
 from hgs_core.check.given_masks import judge_masks
 from hgs_core.check.interlacing import judge_interlacing
+from hgs_core.check.left_handed import judge_left_handed
 from hgs_core.check.left_out import judge_left_out
 from hgs_core.check.picture_changes import watched_frames
 from hgs_core.check.poses import judge_poses
+from hgs_core.check.poses_by_motion import PosesByMotion, judge_by_motion
 from hgs_core.check.recordings import judge_pictures, judge_rates
 from hgs_core.check.shown_pairs import shown_pairs
 from hgs_core.check.starts_by_features import feature_offsets, match_leads
 from hgs_core.check.starts_by_motion import energy_offsets
-from hgs_core.check.suspects import WRONG
+from hgs_core.check.suspects import WRONG, find_suspects
 from hgs_core.check.synchronise import FEWEST_FRAMES
 from hgs_core.check.watched_cameras import Death, WatchedCamera, watch_cameras
 
@@ -57,7 +59,18 @@ def check_capture(capture: Capture, progress: ProgressCallback = silent) -> Capt
     seen = gather(capture, progress, followed=by_features)
     rig = Rig.of(seen.cameras)
     pairs: Pairs = {pair: Pair.of(matches) for pair, matches in seen.pairs.items()}
-    suspects, findings = judge_poses(rig, pairs, names, [len(view.features[0].xy) for view in seen.views])
+    if capture.mirrored:
+        findings = judge_left_handed(capture, seen.cameras, pairs)
+        suspects, by_motion = (
+            find_suspects(len(names), pair_errors(rig, pairs), pairs),
+            PosesByMotion((None,) * len(names)),
+        )
+    else:
+        by_motion = judge_by_motion(capture, seen.cameras, pairs, ahead)
+        features = [len(view.features[0].xy) for view in seen.views]
+        suspects, findings = judge_poses(rig, pairs, names, features, by_motion.judged)
+        findings += by_motion.findings
+    ahead = [0.0 if index in by_motion.in_step else offset for index, offset in enumerate(ahead)]
     moving = _moving_cameras(names, seen)
     if by_features:
         trusted = set(suspects.agreeing)
@@ -78,6 +91,7 @@ def check_capture(capture: Capture, progress: ProgressCallback = silent) -> Capt
             round(sum(one.weight for pair, one in pairs.items() if index in pair)),
             None if errors[index] is None else round(float(errors[index] or 0.0), 3),
             None if ahead[index] is None else round(float(ahead[index] or 0.0), 2),
+            None if by_motion.errors[index] is None else round(float(by_motion.errors[index] or 0.0), 2),
         )
         for index, name in enumerate(names)
     )

@@ -2,87 +2,118 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
-from itertools import permutations, product
+from collections.abc import Callable, Sequence
+from itertools import combinations
 
 import numpy as np
 import numpy.typing as npt
 
-from hgs_core.check.epipolar import Pair, Pairs, Rig, pair_errors
+from hgs_core.check.epipolar import ComparedPairs, Pair, Pairs, Rig, pair_errors
+from hgs_core.check.readings import known_axes, readings, rotations
+from hgs_core.check.trials import FITS, Cause, Trial, best_trial, fitting
 from hgs_core.check.turning import turned_to_fit
 
-__all__ = ["Cause", "cause_of_camera", "cause_of_rig", "swapped_cameras"]
+__all__ = ["cause_of_camera", "cause_of_rig", "mean_error", "reading_trials", "swapped_cameras"]
 
 Floats = npt.NDArray[np.float64]
 
-FITS = 1.5  # pixels: a mistake is found where undoing it brings the matches that near ...
-_GAIN = 0.4  # ... and to that share of the error before
 _COUNTED = 0.8  # share of pairs, the smallest errors first
 _FOCALS = np.exp(np.linspace(np.log(0.4), np.log(2.5), 75))
 _UNITS = {0.01: "centimetres", 0.001: "millimetres", 0.1: "decimetres", 0.0254: "inches", 0.3048: "feet"}
-_AXES = ("right", "down", "forward")
-_OPPOSITE = {"right": "left", "down": "up", "forward": "backwards"}
+_FEW = 6  # cameras; among more, a majority tells which are swapped
+_RATIOS = (0.25, 1 / 3, 0.5, 2 / 3, 0.75, 4 / 3, 1.5, 2.0, 3.0, 4.0)  # focal lengths of pictures that were scaled
+_NEAR, _AS_WELL = 0.02, 1.5  # share by which a focal length may differ from that, and its error from the least
 
 
-@dataclass(frozen=True)
-class Cause:
-    """A mistake that explains the matches."""
+def cause_of_rig(rig: Rig, pairs: ComparedPairs, names: Sequence[str], fits: float = FITS) -> Cause | None:
+    """Return the mistake that was made with all cameras alike, None if none of those tried explains the matches.
 
-    problem: str
-    cure: str
-    error: float  # pixels that are left once it is undone
-
-
-@dataclass(frozen=True)
-class _Trial:
-    rig: Rig
-    problem: str
-    cure: str
-    pairs: Pairs | None = None  # matches with a mistake of the pictures undone
-    cost: float = 1.0  # the error counts for so many times as much: rare mistakes need better proof
-
-
-def cause_of_rig(rig: Rig, pairs: Pairs, names: Sequence[str]) -> Cause | None:
-    """Return the mistake that was made with all cameras alike, None if none of those tried explains the matches."""
-    before = _error(rig, pairs)
-    trials = [*_axes_of_rig(rig), *_inverse_of_rig(rig), *_order_of_names(rig, names)]
-    focal = _best_focal(lambda factor: _error(rig.with_focal(factor), pairs))
-    trials.append(_focal_trial(rig.with_focal(focal), focal, "all cameras"))
-    trials += _lenses(rig, pairs)
-    return _best(trials, before, lambda trial: _error(trial.rig, trial.pairs or pairs))
+    Silhouettes may stand for matches; `fits` is the distance in pixels below which these are explained. Poses that are
+    reflections are a mistake even where matches lie as they say.
+    """
+    before = np.inf if rig.mirrored else mean_error(rig, pairs)
+    trials = reading_trials(rig, names)
+    if not rig.mirrored:
+        focal, exact = _best_focal(lambda factor: mean_error(rig.with_focal(factor), pairs))
+        trials.append(_focal_trial(rig.with_focal(focal), focal, "all cameras", exact))
+        matches = {pair: one for pair, one in pairs.items() if isinstance(one, Pair)}
+        trials += _lenses(rig, matches) if matches else []
+    errors = [mean_error(trial.rig, trial.pairs or pairs) for trial in trials]
+    found = best_trial(trials, before, errors, fits)
+    return None if found is None else trials[found].cause(rig, errors[found])
 
 
-def cause_of_camera(rig: Rig, pairs: Pairs, camera: int, agreeing: Sequence[int]) -> Cause | None:
+def reading_trials(rig: Rig, names: Sequence[str]) -> list[Trial]:
+    """Return the rig with its matrices read in all other ways, and with those of two cameras exchanged."""
+    count = len(names)
+    orders = []
+    if count <= _FEW:
+        for a, b in combinations(range(count), 2):
+            order = list(range(count))
+            order[a], order[b] = b, a
+            problem = f"{names[a]} and {names[b]} are swapped"
+            orders.append((tuple(order), problem, "exchange their files or their poses"))
+    by_text = sorted(range(count), key=lambda number: names[number])
+    if by_text != sorted(by_text):
+        row_of = {camera: row for row, camera in enumerate(by_text)}
+        problem = "the poses are in the order of the names as text, in which 10 comes before 2"
+        orders.append((tuple(row_of[i] for i in range(count)), problem, "put them in order of the numbers"))
+    trials = []
+    if not rig.mirrored:
+        trials = [Trial(rig.rearranged(order), problem, cure, cost=1.2, order=order) for order, problem, cure in orders]
+    for reading in readings(rig.poses):
+        read = Rig(rig.intrinsics, reading.poses(rig.poses))
+        trials.append(Trial(read, reading.problem(), reading.cure(), cost=reading.cost))
+        if reading.usual:
+            trials += [
+                Trial(
+                    read.rearranged(order), f"{reading.problem()}, and {problem}", reading.cure(), cost=1.3, order=order
+                )
+                for order, problem, _ in orders
+            ]
+    return trials
+
+
+def cause_of_camera(
+    rig: Rig, pairs: ComparedPairs, camera: int, agreeing: Sequence[int], fits: float = FITS
+) -> Cause | None:
     """Return the mistake that was made with one camera, None if none of those tried explains its matches."""
     mine = {pair: one for pair, one in pairs.items() if camera in pair and set(pair) <= {camera, *agreeing}}
     if not mine:
         return None
-    before = _error(rig, mine)
+    before = mean_error(rig, mine)
     pose = rig.poses[camera]
     trials = []
-    for axes in _rotations():
+    for axes in rotations():
         trials.append(_turned_trial(rig.with_pose(camera, axes @ pose), axes))
         undone = axes.T @ np.linalg.inv(pose) @ axes.T
         trials.append(
-            _Trial(rig.with_pose(camera, undone), "its pose is inverted", "save the inverse of its matrix", cost=2)
+            Trial(rig.with_pose(camera, undone), "its pose is inverted", "save the inverse of its matrix", cost=2)
         )
-    focal = _best_focal(lambda factor: _error(rig.with_focal(factor, camera), mine))
-    trials.append(_focal_trial(rig.with_focal(focal, camera), focal, "the camera"))
+    focal, exact = _best_focal(lambda factor: mean_error(rig.with_focal(factor, camera), mine))
+    trials.append(_focal_trial(rig.with_focal(focal, camera), focal, "the camera", exact))
     centre = rig.centres()[camera]
     for unit, name in _UNITS.items():
         for scale, words in ((unit, name), (1 / unit, f"a unit of 1/{unit:g}")):
             moved = pose.copy()
             moved[:3, 3] = -pose[:3, :3] @ (centre * scale)
             problem = f"its position is in another unit: times {scale:g} it fits ({words} among metres?)"
-            trials.append(_Trial(rig.with_pose(camera, moved), problem, "give all positions in one unit"))
-    fitted, degrees = turned_to_fit(rig, mine, camera)
-    problem = f"it is turned by {degrees:.1f} degrees from where its pose says, as after a knock"
-    trials.append(_Trial(rig.with_pose(camera, fitted), problem, "calibrate it again, or leave it out", cost=3))
-    return _best(trials, before, lambda trial: _error(trial.rig, mine))
+            trials.append(Trial(rig.with_pose(camera, moved), problem, "give all positions in one unit"))
+    matches = {pair: one for pair, one in mine.items() if isinstance(one, Pair)}
+    if matches:
+        fitted, degrees = turned_to_fit(rig, matches, camera)
+        problem = f"it is turned by {degrees:.1f} degrees from where its pose says, as after a knock"
+        trials.append(
+            Trial(rig.with_pose(camera, fitted), problem, "calibrate it again, or leave it out", cost=3, exact=False)
+        )
+    errors = [mean_error(trial.rig, mine) for trial in trials]
+    found = best_trial(trials, before, errors, fits)
+    return None if found is None else trials[found].cause(rig, errors[found])
 
 
-def swapped_cameras(rig: Rig, pairs: Pairs, odd: Sequence[int], agreeing: Sequence[int]) -> list[tuple[int, int]]:
+def swapped_cameras(
+    rig: Rig, pairs: ComparedPairs, odd: Sequence[int], agreeing: Sequence[int], fits: float = FITS
+) -> list[tuple[int, int]]:
     """Return the pairs of odd cameras that fit with each other's poses."""
     found = []
     for a, b in ((a, b) for a in odd for b in odd if a < b):
@@ -93,102 +124,42 @@ def swapped_cameras(rig: Rig, pairs: Pairs, odd: Sequence[int], agreeing: Sequen
             {pair: one for pair, one in pairs.items() if camera in pair and set(pair) <= {camera, *agreeing}}
             for camera in (a, b)
         ]
-        if all(mine and _fits(_error(exchanged, mine), _error(rig, mine)) for mine in both):
+        if all(mine and fitting(mean_error(exchanged, mine), mean_error(rig, mine), fits) for mine in both):
             found.append((a, b))
     return found
 
 
-def _best(trials: Iterable[_Trial], before: float, error: Callable[[_Trial], float]) -> Cause | None:
-    measured = [(error(trial), number, trial) for number, trial in enumerate(trials)]
-    after, _, trial = min(measured, key=lambda entry: (entry[0] * entry[2].cost, entry[1]))
-    return Cause(trial.problem, trial.cure, after) if _fits(after, before) else None
-
-
-def _fits(after: float, before: float) -> bool:
-    return after < FITS and after < _GAIN * before
-
-
-def _error(rig: Rig, pairs: Pairs) -> float:
+def mean_error(rig: Rig, pairs: ComparedPairs) -> float:
     """Return the mean of the pairs' medians without the worst fifth, possibly chance matches."""
     errors = np.sort(list(pair_errors(rig, pairs).values()))
     return float(errors[: int(np.ceil(_COUNTED * len(errors)))].mean())
 
 
-def _rotations() -> list[Floats]:
-    """Return the 24 rotations [4, 4] that exchange axes, the identity first."""
-    found = []
-    for order, signs in product(permutations(range(3)), product((1.0, -1.0), repeat=3)):
-        turn = np.eye(4)
-        turn[:3, :3] = np.diag(signs) @ np.eye(3)[list(order)]
-        if np.linalg.det(turn) > 0:
-            found.append(turn)
-    return found
-
-
-def _axes_of_rig(rig: Rig) -> list[_Trial]:
-    trials = []
-    for axes in _rotations()[1:]:
-        read = ", ".join(f"{name} is {_direction(axes, number)}" for number, name in enumerate(_AXES))
-        problem = f"the poses have other axes than this layout's: what is read as {read}{_known_axes(axes)}"
-        cure = "save the poses with the axes of their layout (docs/captures.md)"
-        trials.append(_Trial(Rig(rig.intrinsics, axes @ rig.poses), problem, cure))
-    return trials
-
-
-def _direction(axes: Floats, read: int) -> str:
-    """Return in words where the axis that is read as number `read` truly points."""
-    true = int(np.abs(axes[:3, read]).argmax())
-    return _AXES[true] if axes[true, read] > 0 else _OPPOSITE[_AXES[true]]
-
-
-def _known_axes(axes: Floats) -> str:
-    known: dict[tuple[tuple[int, ...], ...], str] = {
-        ((1, 0, 0), (0, -1, 0), (0, 0, -1)): "OpenGL's axes for OpenCV's, or the other way round",
-        ((0, 1, 0), (1, 0, 0), (0, 0, -1)): "OpenCV's columns in poses_bounds.npy, which has LLFF's",
-        ((0, 1, 0), (-1, 0, 0), (0, 0, 1)): "OpenGL's columns in poses_bounds.npy, which has LLFF's",
-    }
-    words = known.get(tuple(tuple(int(v) for v in row) for row in axes[:3, :3].tolist()))
-    return f" ({words})" if words else ""
-
-
-def _inverse_of_rig(rig: Rig) -> list[_Trial]:
-    problem = "the poses are inverted: world-to-camera where this layout has camera-to-world, or the other way round"
-    inverse = np.linalg.inv(rig.poses)
-    return [
-        _Trial(Rig(rig.intrinsics, axes @ inverse), problem, "save the inverse of each matrix") for axes in _rotations()
-    ]
-
-
-def _order_of_names(rig: Rig, names: Sequence[str]) -> list[_Trial]:
-    """Poses in the order of the names as text, where 10 comes before 2."""
-    order = sorted(range(len(names)), key=lambda number: names[number])
-    row_of = {camera: row for row, camera in enumerate(order)}
-    if order == sorted(order):
-        return []
-    problem = "the poses are in the order of the names as text, in which 10 comes before 2"
-    return [_Trial(rig.rearranged([row_of[i] for i in range(len(names))]), problem, "put them in order of the numbers")]
-
-
-def _turned_trial(rig: Rig, axes: Floats) -> _Trial:
+def _turned_trial(rig: Rig, axes: Floats) -> Trial:
     if axes[2, 2] == 1:
         degrees = round(float(np.degrees(np.arctan2(axes[1, 0], axes[0, 0])))) % 360
         words = f"its picture is turned by {degrees} degrees{', upside down' if degrees == 180 else ''}"
-        return _Trial(rig, words, "turn its pictures, or calibrate it as they are")
-    return _Trial(rig, f"its pose has other axes than the others'{_known_axes(axes)}", "save all poses alike")
+        return Trial(rig, words, "turn its pictures, or calibrate it as they are")
+    return Trial(rig, f"its pose has other axes than the others'{known_axes(axes)}", "save all poses alike")
 
 
-def _focal_trial(rig: Rig, factor: float, whose: str) -> _Trial:
+def _focal_trial(rig: Rig, factor: float, whose: str, exact: bool) -> Trial:
     problem = f"the focal length of {whose} is wrong: {factor:.2f} times it fits"
-    return _Trial(rig, problem, "give it in pixels of these pictures, or calibrate again", cost=1.2)
+    return Trial(rig, problem, "give it in pixels of these pictures, or calibrate again", cost=1.2, exact=exact)
 
 
-def _best_focal(error: Callable[[float], float]) -> float:
+def _best_focal(error: Callable[[float], float]) -> tuple[float, bool]:
+    """Return the factor that fits best, and whether it is that of pictures that were scaled: a simple ratio."""
     coarse = min(_FOCALS, key=error)
     step = _FOCALS[1] / _FOCALS[0]
-    return float(min(coarse * step ** np.linspace(-1, 1, 21), key=error))
+    best = float(min(coarse * step ** np.linspace(-1, 1, 21), key=error))
+    for ratio in _RATIOS:
+        if abs(best / ratio - 1) < _NEAR and error(ratio) < _AS_WELL * error(best):
+            return ratio, True
+    return best, False
 
 
-def _lenses(rig: Rig, pairs: Pairs) -> list[_Trial]:
+def _lenses(rig: Rig, pairs: Pairs) -> list[Trial]:
     """Pictures of bent lenses taken for pinhole pictures: equidistant fisheyes, and one radial coefficient."""
 
     def straight(radius: Callable[[Floats], Floats]) -> Pairs:
@@ -199,11 +170,11 @@ def _lenses(rig: Rig, pairs: Pairs) -> list[_Trial]:
 
     fisheye = "the pictures are of fisheye lenses and were taken for pinhole pictures"
     cure = "undistort them first, or give the lens with the poses"
-    trials = [_Trial(rig, fisheye, cure, straight(lambda r: np.tan(np.minimum(r, 1.5))))]
+    trials = [Trial(rig, fisheye, cure, straight(lambda r: np.tan(np.minimum(r, 1.5))), exact=False)]
     bends = [k for k in np.linspace(-0.4, 0.4, 33) if abs(k) > 0.02]
-    best = min(bends, key=lambda k: _error(rig, straight(lambda r: r * (1 + k * r * r))))
+    best = min(bends, key=lambda k: mean_error(rig, straight(lambda r: r * (1 + k * r * r))))
     distorted = "the pictures are distorted and were taken for pinhole pictures"
-    trials.append(_Trial(rig, distorted, cure, straight(lambda r: r * (1 + best * r * r)), cost=1.3))
+    trials.append(Trial(rig, distorted, cure, straight(lambda r: r * (1 + best * r * r)), cost=1.3, exact=False))
     return trials
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -12,11 +13,25 @@ import numpy.typing as npt
 from hgs_core.points.matching import PairMatches
 from hgs_core.scene.camera import Camera
 
-__all__ = ["FAR", "Pair", "Pairs", "Rig", "camera_errors", "pair_errors", "sampson_distances", "signed_distances"]
+__all__ = [
+    "FAR",
+    "Compared",
+    "ComparedPairs",
+    "Pair",
+    "Pairs",
+    "Rig",
+    "camera_errors",
+    "pair_errors",
+    "sampson_distances",
+    "signed_distances",
+]
 
 FAR = 1000.0  # pixels: what an epipolar line that does not exist is away
 _NOTHING = 1e-12  # share of the cameras' distance from the origin
 _ENOUGH = 150  # matches of a pair; more tell nothing new
+_CLEAR = float(np.cos(np.radians(1.0)))  # least angle between rays, one degree: the place where they meet is clear then
+_TELLING = 12  # matches with such rays, and ...
+_MOST = 0.6  # ... share of them
 
 Floats = npt.NDArray[np.float64]
 
@@ -33,6 +48,11 @@ class Rig:
         """Return the matrices of cameras."""
         k = [[[one.fx, 0, one.cx], [0, one.fy, one.cy], [0, 0, 1]] for one in cameras]
         return cls(np.array(k, np.float64), np.array([one.world_to_camera for one in cameras]))
+
+    @property
+    def mirrored(self) -> bool:
+        """Whether the poses are reflections: of all cameras or of none."""
+        return bool(np.linalg.det(self.poses[0, :3, :3]) < 0)
 
     def with_pose(self, camera: int, pose: Floats) -> Rig:
         """Return the rig with another pose [4, 4] of one camera."""
@@ -81,8 +101,24 @@ class Pair:
         rows = np.unique(np.linspace(0, count - 1, min(count, _ENOUGH)).round().astype(int))
         return cls(matches.first[rows], matches.second[rows], float(count))
 
+    def error(self, rig: Rig, a: int, b: int) -> float:
+        """Return the median distance from the epipolar lines, pixels; `FAR` where most rays meet behind a camera."""
+        return FAR if _behind(rig, a, b, self) else float(np.median(sampson_distances(rig, a, b, self)))
+
+
+class Compared(Protocol):
+    """The evidence of two cameras by which poses can be judged."""
+
+    @property
+    def weight(self) -> float:
+        """Number of things compared."""
+
+    def error(self, rig: Rig, a: int, b: int) -> float:
+        """Return how far it lies from where the poses say, pixels."""
+
 
 Pairs = Mapping[tuple[int, int], Pair]
+ComparedPairs = Mapping[tuple[int, int], Compared]
 
 
 def signed_distances(fundamental: Floats, first: Floats, second: Floats) -> Floats:
@@ -100,12 +136,28 @@ def sampson_distances(rig: Rig, a: int, b: int, pair: Pair) -> Floats:
     return np.abs(signed_distances(rig.fundamental(a, b), pair.first, pair.second))
 
 
-def pair_errors(rig: Rig, pairs: Pairs) -> dict[tuple[int, int], float]:
+def _behind(rig: Rig, a: int, b: int, pair: Pair) -> bool:
+    """Whether most rays of matches that meet at a clear angle do so behind a camera: epipolar lines do not tell."""
+    rays = []
+    for camera, pixels in ((a, pair.first), (b, pair.second)):
+        k = rig.intrinsics[camera]
+        local = np.column_stack(((pixels - k[:2, 2]) / np.diag(k)[:2], np.ones(len(pixels))))
+        rays.append(local / np.linalg.norm(local, axis=1, keepdims=True) @ rig.poses[camera, :3, :3])
+    first, second = rays
+    centres = rig.centres()
+    apart = centres[b] - centres[a]
+    cosine, along, back = (first * second).sum(axis=1), first @ apart, second @ apart
+    clear = cosine < _CLEAR  # s first - t second = apart, multiplied with 1 - cosine^2
+    before = (along - back * cosine > 0) & (along * cosine - back > 0)
+    return bool(clear.sum() >= _TELLING and (~before[clear]).mean() > _MOST)
+
+
+def pair_errors(rig: Rig, pairs: ComparedPairs) -> dict[tuple[int, int], float]:
     """Return the median distance of every pair, pixels."""
-    return {(a, b): float(np.median(sampson_distances(rig, a, b, pair))) for (a, b), pair in pairs.items()}
+    return {(a, b): pair.error(rig, a, b) for (a, b), pair in pairs.items()}
 
 
-def camera_errors(count: int, errors: Mapping[tuple[int, int], float], pairs: Pairs) -> list[float | None]:
+def camera_errors(count: int, errors: Mapping[tuple[int, int], float], pairs: ComparedPairs) -> list[float | None]:
     """Return for each camera the weighted median over its pairs, pixels; None for a camera without any."""
     return [
         _weighted_median([(e, pairs[p].weight) for p, e in errors.items() if camera in p]) for camera in range(count)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
+from hgs_core.base.cores import core_pool
 from hgs_core.base.progress import Progress, ProgressCallback
 from hgs_core.capture.capture import Capture
 from hgs_core.capture.pictures.picture import reduced_picture
@@ -64,7 +63,7 @@ def gather(capture: Capture, progress: ProgressCallback, *, followed: bool) -> E
     cameras = tuple(camera.within(LONGEST_SIDE) for camera in capture.cameras)
     count = len(cameras)
     views = []
-    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+    with core_pool() as pool:
         looks = pool.map(lambda i: _look(capture, i, cameras[i], frames, followed), range(count))
         for done, view in enumerate(looks, count + 1):
             views.append(view)

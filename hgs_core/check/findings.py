@@ -11,6 +11,7 @@ from typing import Any
 
 from hgs_core.base.atomic import write_bytes
 from hgs_core.base.errors import InputError
+from hgs_core.capture.cameras.corrected_poses import CorrectedCamera
 
 __all__ = ["CameraResult", "CaptureCheck", "Finding", "ShownMatch", "ShownPair"]
 
@@ -24,11 +25,16 @@ class Finding:
     problem: str
     cure: str
     of_pictures: bool = False  # a stop that does not concern a training without these cameras' pictures
+    corrected: tuple[CorrectedCamera, ...] = ()  # poses without the fault, not saved; empty: nothing undoes it exactly
 
     def sentence(self) -> str:
         """Return it as one line that names the cameras."""
+        return f"{self.named()}; {self.cure}"
+
+    def named(self) -> str:
+        """Return the problem with the names of the cameras."""
         names = ", ".join(self.cameras)
-        return f"{names}: {self.problem}; {self.cure}" if names else f"{self.problem}; {self.cure}"
+        return f"{names}: {self.problem}" if names else self.problem
 
 
 @dataclass(frozen=True)
@@ -40,6 +46,7 @@ class CameraResult:
     matches: int  # matches with all partners
     error: float | None  # median distance from the epipolar lines, pixels; None without partners
     ahead: float | None  # frames, of most cameras; None where too little moves to tell
+    outline: float | None = None  # median distance of epipolar tangents from silhouettes, pixels; None: not measured
 
 
 @dataclass(frozen=True)
@@ -79,7 +86,10 @@ class CaptureCheck:
 
     def to_json(self) -> dict[str, Any]:
         """Return the plain form of check.json and `hgs check --json`."""
-        return dataclasses.asdict(self) | {"stops": bool(self.stops)}
+        plain = dataclasses.asdict(self)
+        for finding in plain["findings"]:
+            del finding["corrected"]
+        return plain | {"stops": bool(self.stops)}
 
     def save(self, path: Path) -> None:
         """Write the file, all at once."""
@@ -109,8 +119,10 @@ class CaptureCheck:
 
     def table(self) -> str:
         """Return the table for people, one camera a line, with the findings below."""
-        head = ("camera", "partners", "matches", "px", "ahead")
-        rows = [head, *(_cells(one) for one in self.cameras)]
+        head: tuple[str, ...] = ("camera", "partners", "matches", "px", "ahead", "outline")
+        known = len(head) - all(one.outline is None for one in self.cameras)
+        rows = [row[:known] for row in (head, *(_cells(one) for one in self.cameras))]
+        head = rows[0]
         widths = [max(len(row[column]) for row in rows) for column in range(len(head))]
         marked = {name: "stop" if any(f.stops for f in about) else "look" for name, about in self._by_camera().items()}
         lines = [
@@ -129,7 +141,8 @@ class CaptureCheck:
 def _cells(one: CameraResult) -> tuple[str, ...]:
     error = "-" if one.error is None else f"{one.error:.2f}"
     ahead = "-" if one.ahead is None else f"{round(one.ahead, 1) + 0.0:+.1f}"
-    return (one.name, str(one.partners), str(one.matches), error, ahead)
+    outline = "-" if one.outline is None else f"{one.outline:.1f}"
+    return (one.name, str(one.partners), str(one.matches), error, ahead, outline)
 
 
 def _pair(value: dict[str, Any]) -> ShownPair:

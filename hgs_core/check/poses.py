@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
 from hgs_core.base.wording import counted
-from hgs_core.check.causes import Cause, cause_of_camera, cause_of_rig, swapped_cameras
+from hgs_core.check.causes import cause_of_camera, cause_of_rig, swapped_cameras
 from hgs_core.check.epipolar import Pairs, Rig, pair_errors
 from hgs_core.check.findings import Finding
 from hgs_core.check.suspects import WRONG, Suspects, find_suspects
+from hgs_core.check.trials import Cause, Correction
 
 __all__ = ["judge_poses"]
 
@@ -22,12 +23,15 @@ _AGAIN = "calibrate again, or find poses from the videos with hgs cameras"
 
 
 def judge_poses(
-    rig: Rig, pairs: Pairs, names: Sequence[str], features: Sequence[int] = ()
+    rig: Rig, pairs: Pairs, names: Sequence[str], features: Sequence[int] = (), otherwise: Collection[int] = ()
 ) -> tuple[Suspects, list[Finding]]:
-    """Return the measurements of cameras and the findings; `features` counts those of each picture."""
+    """Return the measurements of cameras and the findings.
+
+    `features` counts those of each picture; the poses of the cameras `otherwise` are judged by other evidence.
+    """
     suspects = find_suspects(len(names), pair_errors(rig, pairs), pairs)
     findings = [] if not pairs else _geometry(rig, pairs, names, suspects)
-    return suspects, findings + _without_views(names, suspects, features) + _place(rig)
+    return suspects, findings + _without_views(names, suspects, features, otherwise) + _place(rig)
 
 
 def _geometry(rig: Rig, pairs: Pairs, names: Sequence[str], suspects: Suspects) -> list[Finding]:
@@ -39,8 +43,8 @@ def _geometry(rig: Rig, pairs: Pairs, names: Sequence[str], suspects: Suspects) 
     if typical > _SUSPICIOUS:
         cause = cause_of_rig(rig, {p: one for p, one in pairs.items() if set(p) <= set(suspects.agreeing)}, names)
         if cause is not None:
-            problem = f"matches lie {typical:.1f} px from where the poses say: {cause.problem}"
-            return [*findings, Finding(False, (), f"{problem} ({cause.error:.2f} px then)", cause.cure)]
+            told = f"matches lie {typical:.1f} px from where the poses say"
+            return [*findings, cause.finding(False, (), told, names, digits=2)]
     if poor:
         worst = max(suspects.errors[i] or 0.0 for i in poor)
         problem = f"matches lie up to {worst:.1f} px from where the poses say, and good poses stay below {POOR:g}"
@@ -52,7 +56,7 @@ def _whole_rig(rig: Rig, pairs: Pairs, names: Sequence[str], typical: float) -> 
     cause = cause_of_rig(rig, pairs, names)
     told = f"matches lie {typical:.1f} px from where the poses of all cameras say"
     if cause is not None:
-        return Finding(True, (), f"{told}: {cause.problem} ({cause.error:.2f} px then)", cause.cure)
+        return cause.finding(True, (), told, names, digits=2)
     turns = rig.poses[:, :3, :3]
     if np.abs(turns - turns[0]).max() < 1e-6:
         return Finding(True, (), f"{told}: all poses have the same rotation", "save each camera's own rotation")
@@ -63,18 +67,22 @@ def _odd_cameras(rig: Rig, pairs: Pairs, names: Sequence[str], suspects: Suspect
     findings, told = [], set()
     for a, b in swapped_cameras(rig, pairs, suspects.odd, suspects.agreeing):
         error = max(suspects.errors[a] or 0.0, suspects.errors[b] or 0.0)
-        problem = f"matches lie {error:.1f} px from where their poses say: the two are swapped"
-        findings.append(Finding(True, (names[a], names[b]), problem, "exchange their files or their poses"))
+        told_of = f"matches lie {error:.1f} px from where their poses say"
+        exchanged = {one: Correction(rig.poses[other], other, 1.0) for one, other in ((a, b), (b, a))}
+        cause = Cause("the two are swapped", "exchange their files or their poses", corrections=exchanged)
+        findings.append(cause.finding(True, (names[a], names[b]), told_of, names))
         told |= {a, b}
     for camera in suspects.odd:
         off = suspects.errors[camera]
         if camera in told or off is None:
             continue
-        cause = _same_pose(rig, names, camera) or cause_of_camera(rig, pairs, camera, suspects.agreeing)
-        if cause is None:
-            cause = Cause("no usual mistake explains it", _AGAIN, off)
-        problem = f"matches lie {off:.1f} px from where its pose says: {cause.problem}"
-        findings.append(Finding(off > WRONG, (names[camera],), problem, cause.cure))
+        cause = (
+            _same_pose(rig, names, camera)
+            or cause_of_camera(rig, pairs, camera, suspects.agreeing)
+            or Cause("no usual mistake explains it", _AGAIN)
+        )
+        told_of = f"matches lie {off:.1f} px from where its pose says"
+        findings.append(cause.finding(off > WRONG, (names[camera],), told_of, names, digits=2))
     return findings
 
 
@@ -86,11 +94,13 @@ def _same_pose(rig: Rig, names: Sequence[str], camera: int) -> Cause | None:
     if not near.any():
         return None
     other = names[int(near.argmax())]
-    return Cause(f"its pose has it stand where {other} stands", "give each camera its own pose", 0.0)
+    return Cause(f"its pose has it stand where {other} stands", "give each camera its own pose")
 
 
-def _without_views(names: Sequence[str], suspects: Suspects, features: Sequence[int]) -> list[Finding]:
-    alone = [names[i] for i in suspects.unjudged]
+def _without_views(
+    names: Sequence[str], suspects: Suspects, features: Sequence[int], otherwise: Collection[int]
+) -> list[Finding]:
+    alone = [names[i] for i in suspects.unjudged if i not in otherwise]
     if not alone:
         return []
     problem = (

@@ -22,4 +22,7 @@ def require_sound(check: CaptureCheck, capture: Path, held_out: Collection[str] 
         first, more = stops[0], len(stops) - 1
         where = f"{capture}, camera {', '.join(first.cameras)}" if first.cameras else str(capture)
         others = f" (and {more} more, see hgs check)" if more else ""
-        raise InputError(where, first.problem + others, f"{first.cure}; or train with --trust-poses")
+        way_on = (
+            "" if first.of_pictures else "; or train with --trust-poses"
+        )  # dead pictures have nothing to do with poses
+        raise InputError(where, first.problem + others, first.cure + way_on)

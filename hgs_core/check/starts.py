@@ -105,8 +105,10 @@ def starts_by_motion(capture: Capture, progress: ProgressCallback) -> Starts:
 
     Raises:
         InputError: too little that moves is seen by some camera, or it is mostly frozen or blank; names it. There are
-            too few frames.
+            too few frames, or the poses are reflections.
     """
+    if capture.mirrored:
+        raise InputError(capture.path, "its poses are reflections", "have them corrected: hgs check --fix-poses")
     offsets = find_offsets(capture, progress)
     names = [camera.name for camera in capture.cameras]
     untold = [name for name, offset in zip(names, offsets, strict=True) if offset is None]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from hgs_core.check.epipolar import Pairs, camera_errors
+from hgs_core.check.epipolar import ComparedPairs, camera_errors
 
 __all__ = ["WRONG", "Suspects", "find_suspects"]
 
@@ -28,20 +28,24 @@ class Suspects:
         return judged > 0 and (len(self.agreeing) < 2 or 2 * len(self.agreeing) < judged)
 
 
-def find_suspects(count: int, errors: Mapping[tuple[int, int], float], pairs: Pairs) -> Suspects:
+def find_suspects(
+    count: int, errors: Mapping[tuple[int, int], float], pairs: ComparedPairs, wrong: float = WRONG, share: float = 0.5
+) -> Suspects:
     """Take away, one after the other, the camera that disagrees with most of those left, until all agree.
 
     Args:
         count: of the cameras.
         errors: median distance of every pair, pixels.
-        pairs: the matches.
+        pairs: the matches, or what else is compared.
+        wrong: distance above which two cameras disagree, pixels.
+        share: of its evidence with which a camera disagrees that is taken away.
     """
     judged = {camera for pair in errors for camera in pair}
     left = set(judged)
     while len(left) > 1:
-        shares = {camera: _wrong_share(camera, left, errors, pairs) for camera in sorted(left)}
+        shares = {camera: _wrong_share(camera, left, errors, pairs, wrong) for camera in sorted(left)}
         worst = max(shares, key=lambda camera: shares[camera])
-        if shares[worst] < 0.5:
+        if shares[worst] < share:
             break
         left.discard(worst)
     left = {camera for camera in left if any(camera in pair and left.issuperset(pair) for pair in errors)}
@@ -59,8 +63,10 @@ def find_suspects(count: int, errors: Mapping[tuple[int, int], float], pairs: Pa
     return found
 
 
-def _wrong_share(camera: int, left: set[int], errors: Mapping[tuple[int, int], float], pairs: Pairs) -> float:
+def _wrong_share(
+    camera: int, left: set[int], errors: Mapping[tuple[int, int], float], pairs: ComparedPairs, wrong: float
+) -> float:
     """Return the share of the camera's matches with those left that lie in wrong pairs; nought without partners."""
     mine = {pair: error for pair, error in errors.items() if camera in pair and left.issuperset(pair)}
     total = sum(pairs[pair].weight for pair in mine)
-    return sum(pairs[pair].weight for pair, error in mine.items() if error > WRONG) / total if total else 0.0
+    return sum(pairs[pair].weight for pair, error in mine.items() if error > wrong) / total if total else 0.0

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
@@ -10,6 +9,7 @@ from functools import partial
 import numpy as np
 import numpy.typing as npt
 
+from hgs_core.base.cores import core_pool
 from hgs_core.base.progress import Progress, ProgressCallback
 from hgs_core.capture.capture import Capture
 from hgs_core.capture.pictures.picture import reduced_picture
@@ -58,7 +58,7 @@ def find_offsets(capture: Capture, progress: ProgressCallback) -> list[float | N
     if frames < FEWEST_FRAMES or count < 2:
         return [None] * count
     energies = [camera.energy() for camera in watched]
-    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+    with core_pool() as pool:
         energy = energy_offsets(energies, FARTHEST, LEAST_AGREEMENT)
         progress(Progress("sync", 1, 1 + _ROUNDS))
         start = [offset or 0.0 for offset in energy_offsets(energies, FARTHEST)]  # near enough to begin with

@@ -6,9 +6,7 @@ blank only where theirs are not: a pause of the scene and lights that go out con
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from enum import Enum
 from functools import partial
@@ -16,6 +14,7 @@ from functools import partial
 import numpy as np
 import numpy.typing as npt
 
+from hgs_core.base.cores import core_pool
 from hgs_core.check.picture_changes import Picture, PictureChanges, picture_changes, same_picture
 
 __all__ = ["DeadSpan", "Death", "WatchedCamera", "watch_cameras"]
@@ -97,7 +96,7 @@ def watch_cameras(
         InputError: a picture is missing or unreadable.
     """
     changes = []
-    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+    with core_pool() as pool:
         for number, one in enumerate(pool.map(partial(picture_changes, frames=frames), pictures), 1):
             changes.append(one)
             measured(number)

@@ -17,9 +17,17 @@ import numpy.typing as npt
 from hgs_core.decompose.exposure import compensated
 from hgs_core.decompose.morphology import box_sum, close, despeckle, dilate
 
-__all__ = ["Background", "Frame", "estimate_background", "median_picture", "moving_pixels", "sample_frames"]
+__all__ = [
+    "SAMPLED_FRAMES",
+    "Background",
+    "Frame",
+    "estimate_background",
+    "median_picture",
+    "moving_pixels",
+    "sample_frames",
+]
 
-_SAMPLED_FRAMES = 25  # frames that the median and the noise are taken from
+SAMPLED_FRAMES = 25  # frames that the median and the noise are taken from
 _STRIP_ROWS = 64  # rows at a time, so that the median needs little memory
 _LARGE_PICTURE = 1 << 19  # pixels; larger pictures are judged at half resolution, which their noise and details allow
 _MAX_RADIUS = 3  # pixels; of the window that differences are averaged over
@@ -49,10 +57,10 @@ class Background:
 
 def estimate_background(frame: Frame, frames: int) -> Background:
     """Estimate the background from at most 25 of a video's `frames` pictures."""
-    chosen = sample_frames(frames, _SAMPLED_FRAMES)
+    chosen = sample_frames(frames, SAMPLED_FRAMES)
     first = frame(chosen[0])
     halved = first.shape[0] * first.shape[1] > _LARGE_PICTURE
-    stack = np.stack([_reduced(frame(index), halved) for index in chosen])  # S pictures [h, w, 3]
+    stack = np.stack([_reduced(first, halved), *(_reduced(frame(index), halved) for index in chosen[1:])])  # S pictures
     first_guess = median_picture(stack)
     stack = np.stack([compensated(picture, first_guess) for picture in stack])
     rgb = median_picture(stack)

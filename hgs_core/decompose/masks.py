@@ -2,55 +2,60 @@
 
 from __future__ import annotations
 
-import os
-import threading
-import zipfile
-import zlib
-from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
+import dataclasses
+from bisect import bisect_right
+from collections.abc import Callable, Sequence
+from functools import lru_cache
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 
-from hgs_core.base.atomic import replacing
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback
 from hgs_core.capture.capture import Capture
-from hgs_core.decompose.background import estimate_background, moving_pixels, sample_frames
+from hgs_core.decompose.automatic_masks import automatic_masks
+from hgs_core.decompose.background import sample_frames
+from hgs_core.decompose.mask_segment import MaskSegment, packed_mask
 
-__all__ = ["MotionMasks", "motion_masks"]
+__all__ = ["MotionMasks", "kept_masks", "mask_file", "motion_masks"]
 
-_STAGE = "masks"
 _SHARE_FRAMES = 16  # frames of each camera for the estimate of `MotionMasks.share`
+_MOST_MAPPED = 8  # files open at once
+
+
+def mask_file(folder: Path, segment: int) -> Path:
+    """Return the file of a segment's automatic masks."""
+    return folder / f"{segment}.masks"
 
 
 class MotionMasks:
-    """One mask per training picture. Automatic masks are held as deflated bits, given ones are read when asked for."""
+    """One mask per training picture. Automatic masks are kept as deflated bits, given ones are read when asked for."""
 
-    def __init__(self, capture: Capture, cameras: Sequence[int], automatic: Mapping[int, Sequence[bytes]]) -> None:
-        """Hold the automatic masks `automatic[camera][frame]` (`_pack`); `motion_masks` and `load` call this."""
+    def __init__(self, capture: Capture, cameras: Sequence[int], segment: Callable[[int], MaskSegment]) -> None:
+        """Take the automatic masks of a frame from `segment(frame)`; `motion_masks` and `load` call this."""
         self.cameras = tuple(cameras)
         self._capture = capture
-        self._automatic = {camera: tuple(rows) for camera, rows in automatic.items()}
+        self._segment = segment
 
     def mask(self, camera: int, frame: int) -> npt.NDArray[np.bool_]:
         """Return the mask [H, W], True = moves.
 
         Raises:
-            InputError: a given mask is unreadable.
+            InputError: a given mask is unreadable, or the file of automatic ones is missing or damaged.
             IndexError: no masks were made for this camera, or no such frame.
         """
         if camera not in self.cameras:
             raise IndexError(f"no masks were made for camera {camera}")
-        if camera not in self._automatic:
-            given = self._capture.mask(camera, frame)
-            if given is None:
-                raise InputError(self._capture.path, f"the masks of camera {camera} are gone", "restore the files")
-            return given
         size = self._capture.cameras[camera]
-        bits = np.frombuffer(zlib.decompress(self._automatic[camera][frame]), np.uint8)
-        return np.unpackbits(bits, count=size.height * size.width).view(np.bool_).reshape(size.height, size.width)
+        segment = self._segment(frame)
+        if camera in segment.rows:
+            return segment.mask(camera, frame, (size.height, size.width))
+        given = self._capture.mask(camera, frame)
+        if given is None:
+            raise InputError(self._capture.path, f"the masks of camera {camera} are gone", "restore the files")
+        return given
 
     def share(self) -> float:
         """Return the share of the pixels that move, 0..1, from at most 16 frames of each camera."""
@@ -60,45 +65,37 @@ class MotionMasks:
     def changed(self, change: Callable[[int, int, npt.NDArray[np.bool_]], npt.NDArray[np.bool_]]) -> MotionMasks:
         """Return masks that `change(camera, frame, mask)` puts in the place of these, given ones too."""
         frames = range(len(self._capture.times))
-        masks = {c: [_pack(change(c, frame, self.mask(c, frame))) for frame in frames] for c in self.cameras}
-        return MotionMasks(self._capture, self.cameras, masks)
+        rows = {c: [packed_mask(change(c, frame, self.mask(c, frame))) for frame in frames] for c in self.cameras}
+        whole = MaskSegment(frames, rows)
+        return MotionMasks(self._capture, self.cameras, lambda frame: whole)
 
-    def save(self, path: Path) -> None:
-        """Write the automatic masks as an .npz file, which appears complete or not at all."""
-        rows = [row for camera in sorted(self._automatic) for row in self._automatic[camera]]
-        with replacing(path) as file:
-            np.savez(
-                file,
-                fingerprint=np.array(self._capture.fingerprint()),
-                cameras=np.array(self.cameras, np.int64),
-                automatic=np.array(sorted(self._automatic), np.int64),
-                sizes=np.array([len(row) for row in rows], np.int64),
-                bits=np.frombuffer(b"".join(rows), np.uint8),
-            )
+    def save(self, folder: Path, starts: Sequence[int]) -> None:
+        """Write the automatic masks, a file for each of the segments that begin at the frames `starts`."""
+        for number, frames in enumerate(_frames_of_files(starts, len(self._capture.times))):
+            automatic = [camera for camera in self.cameras if camera in self._segment(frames.start).rows]
+            rows = {c: [self._segment(frame).packed(c, frame) for frame in frames] for c in automatic}
+            MaskSegment(frames, rows).save(mask_file(folder, number), self._capture.fingerprint())
 
     @classmethod
-    def load(cls, path: Path, capture: Capture) -> MotionMasks:
-        """Read a file that `save` wrote; given masks come from the capture.
+    def load(cls, folder: Path, capture: Capture, cameras: Sequence[int], starts: Sequence[int]) -> MotionMasks:
+        """Return the masks in a folder, of segments that begin at the frames `starts`; given ones are the capture's.
 
-        Raises:
-            InputError: the file is missing, unreadable, or belongs to another capture.
+        A segment's file is opened when a frame of it is asked for: the others may be missing.
         """
-        try:
-            with path.open("rb") as stream, np.load(stream, allow_pickle=False) as file:
-                data = {name: file[name] for name in ("fingerprint", "cameras", "automatic", "sizes", "bits")}
-        except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
-            raise InputError(path, f"no readable masks ({error})", "run `initialise` again") from error
-        if str(data["fingerprint"]) != capture.fingerprint():
-            raise InputError(path, "the masks belong to another state of the capture", "run `initialise` again")
-        automatic = [int(camera) for camera in data["automatic"]]
-        frames = len(capture.times)
-        if len(data["sizes"]) != frames * len(automatic) or int(data["sizes"].sum()) != len(data["bits"]):
-            raise InputError(path, "the masks are incomplete", "run `initialise` again")
-        ends = np.cumsum(data["sizes"])
-        whole = data["bits"].tobytes()
-        rows = [whole[end - size : end] for end, size in zip(ends, data["sizes"], strict=True)]
-        by_camera = {camera: rows[i * frames : (i + 1) * frames] for i, camera in enumerate(automatic)}
-        return cls(capture, [int(camera) for camera in data["cameras"]], by_camera)
+
+        @lru_cache(_MOST_MAPPED)
+        def loaded(number: int) -> MaskSegment:
+            return MaskSegment.load(mask_file(folder, number), capture.fingerprint())
+
+        def segment(frame: int) -> MaskSegment:
+            own = bisect_right(starts, frame) - 1
+            if not mask_file(folder, own).exists():  # a neighbour's file may have it too
+                for number in (own - 1, own + 1):
+                    if mask_file(folder, number).exists() and frame in loaded(number).frames:
+                        return loaded(number)
+            return loaded(own)
+
+        return cls(capture, cameras, segment)
 
 
 def motion_masks(capture: Capture, cameras: Sequence[int], *, progress: ProgressCallback) -> MotionMasks:
@@ -108,34 +105,42 @@ def motion_masks(capture: Capture, cameras: Sequence[int], *, progress: Progress
         InputError: a picture is missing or unreadable.
         StageStopped: the callback wishes so.
     """
-    wanted = [camera for camera in cameras if capture.mask(camera, 0) is None]
-    automatic: dict[int, list[bytes]] = {}
-    progress(Progress(_STAGE, 0, len(wanted)))
-    with ThreadPoolExecutor(min(4, os.cpu_count() or 1)) as pool:
-        unwanted = threading.Event()
-        jobs = [pool.submit(_automatic_masks, capture, camera, unwanted) for camera in wanted]
-        try:
-            for camera, job in zip(wanted, jobs, strict=True):
-                automatic[camera] = job.result()
-                progress(Progress(_STAGE, len(automatic), len(wanted)))
-        except BaseException:
-            unwanted.set()
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
-    return MotionMasks(capture, cameras, automatic)
+    frames = range(len(capture.times))
+    (whole,) = automatic_masks(capture, _without_masks(capture, cameras), [frames], progress)
+    return MotionMasks(capture, cameras, lambda frame: whole)
 
 
-def _automatic_masks(capture: Capture, camera: int, unwanted: threading.Event) -> list[bytes]:
-    frames = len(capture.times)
-    if frames == 1:
-        size = capture.cameras[camera]
-        return [_pack(np.zeros((size.height, size.width), bool))]
-    background = estimate_background(lambda frame: capture.frame(camera, frame), frames)
-    found: list[bytes] = []
-    while len(found) < frames and not unwanted.is_set():
-        found.append(_pack(moving_pixels(capture.frame(camera, len(found)), background)))
-    return found
+def kept_masks(
+    folder: Path, capture: Capture, cameras: Sequence[int], starts: Sequence[int], *, progress: ProgressCallback
+) -> MotionMasks:
+    """Return the motion masks of the given cameras, after making the files that the folder lacks.
+
+    There is one for each of the segments that begin at the frames `starts`. It is written as soon as it is made, and
+    kept if it is there. The bits are the same in any case.
+
+    Raises:
+        InputError: a picture is missing or unreadable.
+        StageStopped: the callback wishes so.
+    """
+    frames = _frames_of_files(starts, len(capture.times))
+    missing = [number for number in range(len(starts)) if not mask_file(folder, number).exists()]
+    if missing:
+        wanted = _without_masks(capture, cameras)
+        there = len(wanted) * (len(capture.times) - len(set().union(*(frames[number] for number in missing))))
+
+        def report(step: Progress) -> None:
+            progress(dataclasses.replace(step, done=there + step.done, total=there + step.total))
+
+        made = automatic_masks(capture, wanted, [frames[number] for number in missing], report)
+        for number, segment in zip(missing, made, strict=True):
+            segment.save(mask_file(folder, number), capture.fingerprint())
+    return MotionMasks.load(folder, capture, cameras, starts)
 
 
-def _pack(mask: npt.NDArray[np.bool_]) -> bytes:
-    return zlib.compress(np.packbits(mask).tobytes(), 1)
+def _frames_of_files(starts: Sequence[int], frames: int) -> list[range]:
+    """Return the frames of each segment's file: its own and one on either side, which a camera out of step needs."""
+    return [range(max(0, start - 1), min(frames, end + 1)) for start, end in pairwise([*starts, frames])]
+
+
+def _without_masks(capture: Capture, cameras: Sequence[int]) -> list[int]:
+    return [camera for camera in cameras if capture.mask(camera, 0) is None]

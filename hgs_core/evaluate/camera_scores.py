@@ -14,7 +14,7 @@ from hgs_core.metrics.flicker import Flicker
 from hgs_core.metrics.psnr import decibels
 from hgs_core.metrics.region_psnr import RegionError
 
-__all__ = ["REGIONS", "CameraScores", "Scores", "combine"]
+__all__ = ["REGIONS", "CameraScores", "FrameScores", "Scores", "combine"]
 
 REGIONS = {"psnr_dynamic": True, "psnr_static": False}
 """The metrics of a region, and whether it is the one that moves."""
@@ -39,11 +39,42 @@ class _PixelMean:
         self.pixels += pixels
 
 
+@dataclass(frozen=True)
+class FrameScores:
+    """A frame with its own part in the scores of its camera."""
+
+    image: Tensor  # [3, H, W] in [0, 1]
+    truth: Tensor  # [3, H, W]
+    moving: Tensor | None  # [H, W] bool
+    metrics: Scores  # metrics of pictures and of moving pixels
+    regions: dict[str, RegionError]
+    colour_corrected: ColourCorrectedError
+    lens_corrected: ColourCorrectedError
+
+    @classmethod
+    def of(
+        cls, scorer: PictureScorer, image: Tensor, truth: Tensor, moving: Tensor | None, gain: Tensor | None = None
+    ) -> FrameScores:
+        """Score a frame [3, H, W] in [0, 1], with its motion mask [H, W] bool, if there is one.
+
+        `gain` [H, W] is what a lens like the capture's leaves of the light of every pixel, if that is known.
+        """
+        regions = {name: RegionError() for name in REGIONS}
+        corrected, lens_corrected = ColourCorrectedError(), ColourCorrectedError()
+        if moving is not None:
+            for name, inside in REGIONS.items():
+                regions[name].add(image, truth, moving if inside else ~moving)
+        corrected.add(image, truth, moving)
+        if gain is not None:
+            lens_corrected.add(image * gain, truth, moving)
+        metrics = scorer.score(image, truth, moving)
+        return cls(image, truth, moving, metrics, regions, corrected, lens_corrected)
+
+
 class CameraScores:
     """The scores of one camera's frames."""
 
-    def __init__(self, scorer: PictureScorer) -> None:
-        self._scorer = scorer
+    def __init__(self) -> None:
         self._flicker = Flicker()
         self.flicker: float | None = None
         self.flicker_steady: float | None = None
@@ -53,25 +84,18 @@ class CameraScores:
         self.regions = {name: RegionError() for name in REGIONS}
         self.means = {name: _PixelMean() for name in REGION_METRICS}
 
-    def add(self, image: Tensor, truth: Tensor, moving: Tensor | None, gain: Tensor | None = None) -> None:
-        """Score the next frame [3, H, W] in [0, 1], with its motion mask [H, W] bool, if there is one.
-
-        `gain` [H, W] is what a lens like the capture's leaves of the light of every pixel, if that is known.
-        """
-        for name, value in self._scorer.score(image, truth, moving).items():
+    def add(self, frame: FrameScores) -> None:
+        """Add the next frame."""
+        for name, value in frame.metrics.items():
             self.frames[name].append(value)
-            if name in self.means and value is not None and moving is not None:
-                self.means[name].add(value, int(moving.sum()))
-        for name, inside in REGIONS.items():
-            error = RegionError()
-            if moving is not None:
-                error.add(image, truth, moving if inside else ~moving)
+            if name in self.means and value is not None and frame.moving is not None:
+                self.means[name].add(value, int(frame.moving.sum()))
+        for name, error in frame.regions.items():
             self.frames[name].append(error.psnr())
             self.regions[name].include(error)
-        self._flicker.add(image, truth, moving)
-        self.colour_corrected.add(image, truth, moving)
-        if gain is not None:
-            self.lens_corrected.add(image * gain, truth, moving)
+        self._flicker.add(frame.image, frame.truth, frame.moving)
+        self.colour_corrected.include(frame.colour_corrected)
+        self.lens_corrected.include(frame.lens_corrected)
 
     def finish(self) -> None:
         """Compute the flicker after the last frame and free its memory: several pictures' worth."""

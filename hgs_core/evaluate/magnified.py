@@ -23,7 +23,7 @@ from hgs_core.render.types import Render
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import HybridScene
 
-__all__ = ["LARGEST_MAGNIFICATION", "WALKS", "MagnifiedScorer", "walked"]
+__all__ = ["LARGEST_MAGNIFICATION", "WALKS", "MagnifiedScorer", "depth_of_movers", "walked"]
 
 LARGEST_MAGNIFICATION = 8
 WALKS = (1 / 3, 2 / 3)
@@ -76,9 +76,9 @@ class MagnifiedScorer:
         for factor in factors:
             larger = avg_pool2d(self._drawn(camera.scaled(factor), seconds).rgb.clamp(0, 1)[None], factor)[0]
             scores |= {f"psnr_{factor}x": psnr(larger, truth), f"agreement_{factor}x": psnr(larger, shown)}
-        subject = self._depth_of_subject(camera, seconds)
+        way = depth_of_movers(self.scene, camera, seconds, self.manifest.center)
         for step, share in enumerate(WALKS, start=1):
-            nearer = walked(camera, share * subject)
+            nearer = walked(camera, share, way)
             agreement = _agreement(camera, plain, nearer, self._drawn(nearer.scaled(2), seconds), 2)
             if agreement is not None:
                 scores[f"agreement_walked_{step}_of_3"] = agreement
@@ -87,23 +87,27 @@ class MagnifiedScorer:
     def _drawn(self, camera: Camera, seconds: float) -> Render:
         return scene_picture(self.scene, camera, seconds, rig=self.manifest.rig, backend=self.backend, depth=True)
 
-    def _depth_of_subject(self, camera: Camera, seconds: float) -> float:
-        """Return the median depth of the movers in a camera's picture, else of the scene's centre; world units."""
-        segment = self.scene.segment_at(seconds)
-        moment = moment_of_dynamic(segment.dynamic, segment.normalised(seconds))
-        points = moment.means[moment.opacities > _SEEN].numpy()
-        pixels, depths = camera.project(points if len(points) else np.array([self.manifest.center]))
-        inside = (depths > camera.near) & (pixels >= 0).all(1) & (pixels < (camera.width, camera.height)).all(1)
-        if not inside.any():
-            return max(camera.near, float(camera.project(np.array([self.manifest.center]))[1][0]))
-        return float(np.median(depths[inside]))
+
+def depth_of_movers(scene: HybridScene[Tensor], camera: Camera, seconds: float, center: Sequence[float]) -> float:
+    """Return the median depth of the movers in a camera's picture, else that of the scene's centre; world units."""
+    segment = scene.segment_at(seconds)
+    moment = moment_of_dynamic(segment.dynamic, segment.normalised(seconds))
+    points = moment.means[moment.opacities > _SEEN].numpy()
+    pixels, depths = camera.project(points if len(points) else np.array([center]))
+    inside = camera.shows(pixels, depths)
+    if not inside.any():
+        return max(camera.near, float(camera.project(np.array([center]))[1][0]))
+    return float(np.median(depths[inside]))
 
 
-def walked(camera: Camera, by: float) -> Camera:
-    """Return the camera moved along its axis by so many world units."""
+def walked(camera: Camera, share: float, way: float) -> Camera:
+    """Return the camera moved along its axis by a share of the way to a depth, world units.
+
+    Its near plane comes nearer in proportion, as a viewer's does: else it would cut open what the camera walks to.
+    """
     pose = camera.world_to_camera.copy()
-    pose[2, 3] -= by
-    return dataclasses.replace(camera, world_to_camera=pose)
+    pose[2, 3] -= share * way
+    return dataclasses.replace(camera, world_to_camera=pose, near=camera.near * (1 - share))
 
 
 def _agreement(camera: Camera, plain: Render, nearer: Camera, drawn: Render, factor: int) -> float | None:
@@ -119,9 +123,9 @@ def _agreement(camera: Camera, plain: Render, nearer: Camera, drawn: Render, fac
     middles = np.stack([columns.numpy() + 0.5, rows.numpy() + 0.5], 1)
     points = nearer.position + large.rays(middles) * depths[:, None]
     pixels, far = camera.project(points)
-    x, y = np.floor(pixels).astype(np.int64).T
-    inside = (far > camera.near) & (x >= 0) & (x < camera.width) & (y >= 0) & (y < camera.height)
-    cell = y[inside] * camera.width + x[inside]
+    inside = camera.shows(pixels, far)
+    x, y = pixels[inside].astype(np.int64).T
+    cell = y * camera.width + x
     surface = (plain.depth / plain.alpha.clamp_min(1e-6)).double().numpy().ravel()[cell]
     same = np.abs(far[inside] - surface) <= _SAME_SURFACE * surface
     cell, colours = cell[same], drawn.rgb.clamp(0, 1)[:, rows, columns].double().numpy()[:, inside][:, same]

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -11,11 +12,13 @@ import torch
 from torch import Tensor
 
 from hgs_core.base.atomic import write_bytes
+from hgs_core.base.bounded_map import bounded_map
+from hgs_core.base.cores import core_pool
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback, silent
 from hgs_core.capture.capture import Capture
 from hgs_core.codec import Manifest, decode_scene, load_manifest
-from hgs_core.evaluate.camera_scores import CameraScores, combine
+from hgs_core.evaluate.camera_scores import CameraScores, FrameScores, combine
 from hgs_core.evaluate.magnified import MagnifiedScorer
 from hgs_core.evaluate.picture_scores import PictureScorer
 from hgs_core.evaluate.truth import Truth
@@ -74,7 +77,7 @@ def evaluate_run(
     if not folder.train_summary.exists() or not folder.manifest.exists():
         raise InputError(run, "the run has no encoded scene yet", "finish it with hgs train")
     scorer = PictureScorer(lpips, flip)
-    capture = spec.open_capture()
+    capture = folder.open_capture(spec)
     held_out = [capture.camera_index(name) for name in spec.config.capture.hold_out]
     chosen = held_out if cameras is None else [capture.camera_index(name) for name in cameras]
     indices = range(len(capture.cameras)) if all_cameras else list(dict.fromkeys(chosen))
@@ -85,11 +88,11 @@ def evaluate_run(
     manifest = load_manifest(folder.manifest)
     summary = json.loads(folder.train_summary.read_text())
     falloff = summary.get("lens_falloff")
-    scores = {index: CameraScores(scorer) for index in indices}
+    scores = {index: CameraScores() for index in indices}
     names = {index: capture.cameras[index].name for index in indices}
     scene = decode_scene(folder.scene).map(torch.from_numpy)
     magnified = MagnifiedScorer(scene, manifest, capture, source, backend).scores(indices, magnify) if magnify else None
-    _score(scene, manifest, falloff, capture, source, scores, backend, progress)
+    _score(scene, manifest, falloff, capture, source, scorer, scores, backend, progress)
     totals = manifest.totals
     result = {
         **combine(list(scores.values())),
@@ -121,14 +124,15 @@ def _score(
     falloff: list[float] | None,  # mean of the training cameras' lenses
     capture: Capture,
     source: Truth,
+    scorer: PictureScorer,
     scores: Mapping[int, CameraScores],  # camera -> scores, to be filled
     backend: str,
     progress: ProgressCallback,
 ) -> None:
-    """Draw and score every frame of every camera."""
+    """Draw every frame of every camera in turn; the frames drawn last are scored on all cores."""
     views = {camera.name: camera for camera in manifest.cameras}
     total, done, decibels = len(scores) * len(capture.times), 0, 0.0
-    with one_torch_thread():
+    with one_torch_thread(), core_pool() as pool:
         for index, gathered in scores.items():
             camera = views[capture.cameras[index].name]
             gain = None if falloff is None else falloff_gain(torch.tensor(falloff), camera)
@@ -140,12 +144,27 @@ def _score(
                 backend=backend,
                 rig=manifest.rig,
             )
-            for frame, seconds in enumerate(capture.times):
-                segment = scene.segment_at(float(seconds))
-                moment = segment.normalised(capture.moment(index, frame))
-                picture = view.frame(segment.dynamic, moment).rgb.clamp(0, 1)
-                gathered.add(picture, source.picture(index, frame), source.moving(index, frame), gain)
+            of_frame = partial(_frame_scores, scorer, source, index, gain)
+            for frame in bounded_map(pool, of_frame, _drawn(scene, capture, source, index, view)):
+                gathered.add(frame)
                 decibels += gathered.frames["psnr"][-1] or 0.0
                 done += 1
                 progress(Progress("evaluate", done, total, {"psnr": decibels / done}))
             gathered.finish()
+
+
+def _drawn(
+    scene: HybridScene[Tensor], capture: Capture, source: Truth, index: int, view: FixedView
+) -> Iterator[tuple[int, Tensor, Tensor]]:
+    """Yield every frame of a camera with its picture and its truth, [3, H, W] each."""
+    for frame, seconds in enumerate(capture.times):
+        segment = scene.segment_at(float(seconds))
+        moment = segment.normalised(capture.moment(index, frame))
+        yield frame, view.frame(segment.dynamic, moment).rgb.clamp(0, 1), source.picture(index, frame)
+
+
+def _frame_scores(
+    scorer: PictureScorer, source: Truth, index: int, gain: Tensor | None, drawn: tuple[int, Tensor, Tensor]
+) -> FrameScores:
+    frame, picture, truth = drawn
+    return FrameScores.of(scorer, picture, truth, source.moving(index, frame), gain)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import threading
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
@@ -60,6 +61,7 @@ class Truth:
         self.of_pictures = "capture" if pictures is None else "given"
         """Where the pictures are from."""
         self._backgrounds: dict[int, Background] = {}
+        self._lock = threading.Lock()
         own = masks is None and any(capture.mask(camera, 0) is not None for camera in cameras)
         several = len(capture.times) > 1
         self.of_masks = "given" if masks is not None else "capture" if own else "automatic" if several else None
@@ -95,10 +97,11 @@ class Truth:
         return None if mask is None else torch.from_numpy(np.array(mask))
 
     def _background(self, camera: int) -> Background:
-        if camera not in self._backgrounds:
-            frames = len(self._capture.times)
-            self._backgrounds = {camera: estimate_background(lambda frame: self._levels(camera, frame), frames)}
-        return self._backgrounds[camera]
+        with self._lock:
+            if camera not in self._backgrounds:
+                frames = len(self._capture.times)
+                self._backgrounds = {camera: estimate_background(lambda frame: self._levels(camera, frame), frames)}
+            return self._backgrounds[camera]
 
     def _levels(self, camera: int, frame: int) -> npt.NDArray[np.uint8]:
         """Return the true picture [H, W, 3]; raises the errors of `picture`."""

@@ -22,6 +22,8 @@ Triple = tuple[float, float, float]
 COLUMNS, COLUMNS_ALL_ROUND = 8, 12  # azimuths
 ROWS, SHELLS = 5, 4  # elevations, distances
 REQUIRED = 0.95  # share of a picture
+ROOM = 0.5  # share of what stands still with a second view, below which viewers begin without it
+SECOND = math.radians(40)  # largest angle between two views of a place
 OWN = 0.1  # quantile of the shares at the cameras' own places, the most that is required
 FILLED = 0.8  # least share of the cameras' pictures with something to see
 DIGITS = 4  # digits of a number in the manifest
@@ -33,9 +35,12 @@ def with_seen_limits(
 ) -> CapturedSpace:
     """Return the space around `center` with limits to the views that `cameras` saw of the scene; `up` is a unit vector.
 
-    Without limits if most of what surrounds the subject is empty in the cameras' own pictures.
+    Without limits if most of what surrounds the subject is empty in the cameras' own pictures, and for a sparse rig,
+    for which it returns whether viewers begin with the subject alone.
     """
     seen = SeenShare(scene, cameras)
+    if space.cones:
+        return dataclasses.replace(space, subject_only=seen.twice(SECOND) < ROOM)
     if seen.filled < FILLED:
         return space
     lens = sorted(cameras, key=lambda camera: camera.fx / camera.width)[len(cameras) // 2]

@@ -10,9 +10,12 @@ from typing import Any, Generic, TypeVar
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 from torch import Tensor
 
 from hgs_core.base.arrays import Doubles, Floats
+from hgs_core.base.bounded_map import bounded_map
+from hgs_core.base.cores import core_pool
 from hgs_core.codec.encoder.utility import SetUtility, Utility, estimated_utility, pixels_per_unit
 from hgs_core.render.contributions import contributions
 from hgs_core.render.rasterize import rasterize
@@ -47,39 +50,19 @@ def measure_utility(
     were drawn.
     """
     static, dynamic = _Weighed.of(scene.static), [_Weighed.of(segment.dynamic) for segment in scene.segments]
-    signs = torch.Generator().manual_seed(0)
-    whole = 0
-    with one_torch_thread():
-        views = list(_views(scene, cameras, times))
-        for view in views:
-            moving = dynamic[view.segment]
-            tiles = None
-            if not view.whole:
-                tiles = tiles_of_dynamic(moving.splats, view.camera, view.moment, antialiased=scene.antialiased)
-                if not tiles.any():
-                    continue
-            seen = contributions(
-                static.splats, moving.splats, view.camera, view.moment, antialiased=scene.antialiased, tile_mask=tiles
-            )
-            render = rasterize(
-                static.eased,
-                moving.eased,
-                view.camera,
-                view.moment,
-                gradients="all" if view.whole else "dynamic",
-                tile_mask=tiles,
-                antialiased=scene.antialiased,
-            )
-            picture = render.rgb
-            if any_background:
-                picture = picture + (1 - render.alpha) * torch.randint(0, 2, picture.shape, generator=signs)
-            sign = torch.randint(0, 2, picture.shape, generator=signs).to(picture.dtype) * 2 - 1
-            picture.backward(sign)  # type: ignore[no-untyped-call]
-            squares = seen.total.astype(np.float64) * seen.peak / 2
-            moving.add(squares[len(scene.static) :])
-            if view.whole:
-                static.add(squares[: len(scene.static)])
-                whole += 1
+    views = list(_views(scene, cameras, times))
+
+    def drawn(random: _Random) -> _Measured:
+        return _measured(static, dynamic[random.view.segment], random, antialiased=scene.antialiased)
+
+    with one_torch_thread(), core_pool() as pool:
+        randoms = _randoms(views, dynamic, antialiased=scene.antialiased, any_background=any_background)
+        for found in bounded_map(pool, drawn, randoms):
+            moving = dynamic[found.view.segment]
+            moving.add(found.squares[len(scene.static) :], found.dynamic_gradient)
+            if found.view.whole:
+                static.add(found.squares[: len(scene.static)], found.static_gradient)
+    whole = sum(view.whole for view in views)
     return Utility(
         _with_unseen(static.mean(whole), scene.static, scene.static.means, cameras, whole),
         tuple(
@@ -116,6 +99,67 @@ class _View:
     whole: bool  # drawn so, for the static splats
 
 
+@dataclass(frozen=True)
+class _Random:
+    """The random numbers of a view."""
+
+    view: _View
+    tiles: NDArray[np.bool_] | None  # drawn ones; None: all
+    background: Tensor | None  # [3, H, W] 0 or 1; None: black
+    signs: Tensor  # [3, H, W] -1 or 1
+
+
+@dataclass(frozen=True)
+class _Measured:
+    """The measurement of a view."""
+
+    view: _View
+    squares: Doubles  # [N + M] of weights, statics first
+    static_gradient: Tensor | None  # [N] of a view that is drawn whole
+    dynamic_gradient: Tensor | None  # [M]
+
+
+def _randoms(
+    views: Sequence[_View], dynamic: Sequence[_Weighed[Any]], *, antialiased: bool, any_background: bool
+) -> Iterator[_Random]:
+    """Yield the views that show something, with random numbers of one sequence."""
+    generator = torch.Generator().manual_seed(0)
+    for view in views:
+        tiles = None
+        if not view.whole:
+            splats = dynamic[view.segment].splats
+            tiles = tiles_of_dynamic(splats, view.camera, view.moment, antialiased=antialiased)
+            if not tiles.any():
+                continue
+        shape = 3, view.camera.height, view.camera.width
+        background = torch.randint(0, 2, shape, generator=generator) if any_background else None
+        yield _Random(view, tiles, background, torch.randint(0, 2, shape, generator=generator).float() * 2 - 1)
+
+
+def _measured(static: _Weighed[Any], moving: _Weighed[Any], random: _Random, *, antialiased: bool) -> _Measured:
+    """Draw a view and differentiate it; several threads may do that with the same sets."""
+    view = random.view
+    seen = contributions(
+        static.splats, moving.splats, view.camera, view.moment, antialiased=antialiased, tile_mask=random.tiles
+    )
+    eased = [weighed.eased() for weighed in (static, moving)]
+    render = rasterize(
+        eased[0],
+        eased[1],
+        view.camera,
+        view.moment,
+        gradients="all" if view.whole else "dynamic",
+        tile_mask=random.tiles,
+        antialiased=antialiased,
+    )
+    picture = render.rgb
+    if random.background is not None:
+        picture = picture + (1 - render.alpha) * random.background
+    picture.backward(random.signs)  # type: ignore[no-untyped-call]
+    squares = seen.total.astype(np.float64) * seen.peak / 2
+    return _Measured(view, squares, *(splats.opacity_logits.grad for splats in eased))
+
+
 def _views(scene: HybridScene[Floats], cameras: Sequence[Camera], times: Doubles) -> Iterator[_View]:
     count = min(max(CAMERAS_PER_FRAME, -(-STATIC_VIEWS // len(times))), len(cameras))
     step = max(1, len(cameras) // count)
@@ -143,26 +187,26 @@ class _Weighed(Generic[S]):
     """
 
     splats: S
-    eased: S  # no opacity so near 1 that it has no gradient
     shown: Doubles
     missed: Doubles
 
     @staticmethod
     def of(splats: Any) -> _Weighed[Any]:
-        tensors = splats.map(torch.from_numpy)
-        logits = tensors.opacity_logits.clamp(max=LARGEST_LOGIT).requires_grad_(True)
-        eased = dataclasses.replace(tensors, opacity_logits=logits)
-        return _Weighed(tensors, eased, np.zeros(len(splats)), np.zeros(len(splats)))
+        return _Weighed(splats.map(torch.from_numpy), np.zeros(len(splats)), np.zeros(len(splats)))
 
-    def add(self, squares: Doubles) -> None:
-        """Add a view: its `squares` [N] of weights, and the gradient that it left."""
-        logits = self.eased.opacity_logits
+    def eased(self) -> S:
+        """Return the splats, no opacity so near 1 that it has no gradient, which it will get."""
+        logits = self.splats.opacity_logits.clamp(max=LARGEST_LOGIT).requires_grad_(True)
+        return dataclasses.replace(self.splats, opacity_logits=logits)
+
+    def add(self, squares: Doubles, gradient: Tensor | None) -> None:
+        """Add a view: its `squares` [N] of weights, and the gradient towards the logits, if it has one."""
         self.shown[:] += squares
-        if logits.grad is not None:
+        if gradient is not None:
             # d alpha / d logit = alpha (1 - opacity), and 1 / (1 - opacity) = 1 + exp(logit)
-            change = logits.grad.double() * (1 + logits.detach().double().exp())
+            logits = self.splats.opacity_logits.clamp(max=LARGEST_LOGIT)
+            change = gradient.double() * (1 + logits.double().exp())
             self.missed[:] += (change**2).numpy()
-            logits.grad = None
 
     def mean(self, views: int) -> SetUtility:
         return SetUtility(self.shown / max(1, views), self.missed / max(1, views))

@@ -11,8 +11,9 @@ the far side of the picture.
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -73,7 +74,8 @@ class SeenShare:
         moving, _, _ = evaluate(segment.dynamic, self._moment)
         self._places = np.concatenate([scene.static.means, moving]).astype(np.float32)
         sizes = np.concatenate([scene.static.log_scales, segment.dynamic.log_scales]).max(axis=1, initial=-np.inf)
-        self._seen = self._seen_by_cameras(self._places, REACH * np.exp(np.minimum(sizes, 30).astype(np.float64)))
+        self._reach = REACH * np.exp(np.minimum(sizes, 30).astype(np.float64))
+        self._seen = self._seen_by_cameras(self._places, self._reach)
 
     @property
     def filled(self) -> float:
@@ -84,8 +86,31 @@ class SeenShare:
         """Return the share of the view of an eye."""
         eye = eye.within(EYE_SIDE)
         well = _well(self._seen, self._places, eye)
-        picture = self._draw(eye, torch.from_numpy(well.astype(np.float32)[:, None].repeat(3, axis=1)))
+        picture = self._draw(eye, _red(well))
         return float((picture.red + self._rest(eye, picture)).mean())
+
+    def twice(self, angle: float) -> float:
+        """Return the share of the static splats in the cameras' pictures with a second view within `angle`, radians.
+
+        1 without static splats.
+        """
+        still = len(self._static)
+        towards = np.zeros((len(self._cameras), still, 3), np.float32)
+        for one, (rows, direction, _) in zip(
+            towards, self._views(self._places[:still], self._reach[:still]), strict=True
+        ):
+            one[rows] = direction
+        again = np.zeros(still, np.bool_)
+        for one, other in itertools.combinations(towards, 2):
+            again |= np.einsum("ij,ij->i", one, other) >= math.cos(angle)
+        moving = np.zeros(len(self._places) - still)
+        shown, seen = (
+            sum(
+                float(self._draw(camera, _red(np.concatenate([weights, moving]))).red.sum()) for camera in self._cameras
+            )
+            for weights in (np.ones(still), again)
+        )
+        return seen / shown if shown else 1.0
 
     def _rest(self, eye: Camera, picture: _Picture) -> Doubles:
         """Return the weight left in each pixel [H, W] where the place behind it is seen well."""
@@ -105,16 +130,7 @@ class SeenShare:
         count, axis = np.zeros(len(places)), np.zeros((len(places), 3))
         nearest = np.full(len(places), np.inf)
         towards = []
-        for camera, shown in zip(self._cameras, self._shown, strict=True):
-            pixels, depth = camera.project(places)
-            with np.errstate(invalid="ignore"):
-                inside = (depth > 0) & (pixels >= 0).all(axis=1) & (pixels < (camera.width, camera.height)).all(axis=1)
-            rows = np.flatnonzero(inside)
-            column, row = pixels[rows].astype(np.int64).T
-            rows = rows[depth[rows] - reach[rows] <= BEHIND * shown[row, column]]
-            offset = camera.position - places[rows]
-            distance = np.linalg.norm(offset, axis=1)
-            direction = offset / distance[:, None]
+        for rows, direction, distance in self._views(places, reach):
             towards.append((rows, direction))
             count[rows] += 1
             axis[rows] += direction
@@ -126,6 +142,19 @@ class SeenShare:
         widest = np.cos(np.minimum(np.arccos(np.clip(cosine, -1, 1)) + BEYOND, math.pi))
         widest[count < min(WITNESSES, len(self._cameras))] = 2
         return _Seen(axis.astype(np.float32), widest.astype(np.float32), (NEARER * nearest).astype(np.float32))
+
+    def _views(
+        self, places: NDArray[np.floating[Any]], reach: Doubles
+    ) -> Iterator[tuple[NDArray[np.int64], Doubles, Doubles]]:
+        """Return for each camera the places [K] that it saw, the directions [K, 3] and the distances [K] to it."""
+        for camera, shown in zip(self._cameras, self._shown, strict=True):
+            pixels, depth = camera.project(places)
+            rows = np.flatnonzero(camera.shows(pixels, depth, beyond=0))
+            column, row = pixels[rows].astype(np.int64).T
+            rows = rows[depth[rows] - reach[rows] <= BEHIND * shown[row, column]]
+            offset = camera.position - places[rows]
+            distance = np.linalg.norm(offset, axis=1)
+            yield rows, offset / distance[:, None], distance
 
     def _draw(self, camera: Camera, rgb: Tensor | None = None) -> _Picture:
         """Draw the scene, its splats in colours [N + M, 3] if they are given."""
@@ -149,6 +178,11 @@ class SeenShare:
         return _Picture(
             drawn.rgb[0].double().numpy(), alpha, np.where(there, depth / np.where(there, alpha, 1), np.inf)
         )
+
+
+def _red(weights: NDArray[Any]) -> Tensor:
+    """Return colours [P, 3] with weights [P] in each channel."""
+    return torch.from_numpy(weights.astype(np.float32)[:, None].repeat(3, axis=1))
 
 
 def _well(seen: _Seen, places: Floats, eye: Camera) -> Flags:

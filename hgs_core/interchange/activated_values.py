@@ -36,22 +36,25 @@ def as_stored(
 ) -> Stored:
     """Return logarithms and logits of a file's `scales` [N, 3] and `opacities` [N], whichever it holds.
 
-    `activated` says that they stand there as they are drawn, False that they do not; None: their ranges tell. Scales
-    that are all positive and opacities that all lie in 0 to 1 are what no training leaves of logarithms and logits. Of
-    that the splats tell that are `counted` [N].
+    `activated` says that they stand there as they are drawn, those at least whose range allows it, False that they do
+    not; None: their ranges tell. Scales that are all positive and opacities that all lie in 0 to 1 are what no training
+    leaves of logarithms and logits. Of that the splats tell that are `counted` [N].
 
     Raises:
-        InputError: the ranges fit both.
+        InputError: the ranges fit both, or `activated` holds and they fit neither.
     """
     finite = np.isfinite(scales).all(axis=1) & np.isfinite(opacities) & counted
-    if activated is not None or not finite.any():
+    if activated is False or not finite.any():
         return _stored(scales, opacities, bool(activated), bool(activated))
     shown, opaque = scales[finite], opacities[finite]
     positive = bool((shown >= 0).all() and (shown > 0).any())
     share = bool(((opaque >= 0) & (opaque <= 1)).all())
     many = int(finite.sum()) >= ENOUGH
-    if positive and share:
-        return _stored(scales, opacities, True, True)
+    if activated and not positive and not share:
+        problem = f"scales from {shown.min():.3g} and opacities of {opaque.min():.3g} to {opaque.max():.3g} are none"
+        raise InputError(path, f"holds no number as it is drawn: {problem}", "import it without --activated")
+    if activated or (positive and share):
+        return _stored(scales, opacities, positive, share)
     if positive and many and (float(np.ptp(shown)) < EVEN or _larger_than_gaps(shown, places[finite])):
         _ask(path, f"all scales are positive, {shown.min():.3g} to {shown.max():.3g}, which logarithms seldom are")
     if share and many:

@@ -55,8 +55,7 @@ def _softened(
     spacing = np.full(len(places), np.inf)  # world units per pixel
     for camera in rig:
         pixels, depth = camera.project(places)
-        size = np.array([camera.width, camera.height])
-        inside = (depth > camera.near) & (np.abs(pixels - size / 2) <= (0.5 + BESIDE) * size).all(axis=1)
+        inside = camera.shows(pixels, depth, beside=BESIDE)
         sharp, blurred = _determinants(camera, places[inside], axes[inside])
         factors[inside] += np.sqrt(np.maximum(FADED**2, sharp / blurred))
         shown += inside

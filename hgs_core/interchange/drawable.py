@@ -21,7 +21,7 @@ LARGEST_LOGIT = 13.82  # an opacity of 1 - 1e-6
 NO_LENGTH = 1e-12  # least length of a quaternion
 UNEVEN_LENGTH = 0.05  # difference of a quaternion's length from 1; bytes are off by less
 BEYOND = f"position is beyond {LARGEST_COORDINATE:g}"
-ALL_ZERO = "scale, rotation and opacity are all 0: rows that were never filled"
+ALL_ZERO = "scale, opacity, and rotation or place are all 0: rows that were never filled"
 _WORDS = {
     "means": "position",
     "motion": "position or motion",
@@ -51,14 +51,21 @@ def drawable(
 
 
 def _filled(splats: S, lost: Counter[str]) -> S:
-    """Leave out padding read as splats: a scale of 1, no rotation, half an opacity."""
-    filled = np.zeros(len(splats), np.bool_)
-    for name in ("log_scales", "quats", "rotation", "opacity_logits"):
-        if hasattr(splats, name):
-            filled |= (getattr(splats, name).reshape(len(splats), -1) != 0).any(axis=1) if len(splats) else False
+    """Leave out padding read as splats: a scale of 1, half an opacity, no rotation or no place."""
+    if not len(splats):
+        return splats
+    places, turns = (
+        (splats.means, splats.quats) if isinstance(splats, StaticSplats) else (splats.motion, splats.rotation)
+    )
+    filled = ~_zero(splats.log_scales) | ~_zero(splats.opacity_logits) | (~_zero(turns) & ~_zero(places))
     if not filled.all():
         lost[ALL_ZERO] += int((~filled).sum())
     return splats.take(filled)
+
+
+def _zero(numbers: Floats) -> Mask:
+    """Return the splats with `numbers` [N, ...] of 0 alone."""
+    return np.asarray((numbers.reshape(len(numbers), -1) == 0).all(axis=1))
 
 
 def _finite(splats: S, lost: Counter[str]) -> S:

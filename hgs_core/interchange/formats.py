@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shlex
+import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
@@ -25,12 +27,13 @@ IMPORTED = tuple(one.suffix for one in FORMATS if one.read is not None)
 CONVERTED = (".ksplat", ".lcc", ".lcc2")
 """The suffixes of files that another program makes a .ply of."""
 
+_GZIP, _ZIP = b"\x1f\x8b", b"PK\x03\x04"
 _BEGINNINGS = {
     b"ply": (".ply",),
     b"glTF": (".glb",),
     b"NGSP": (".spz",),
-    b"\x1f\x8b": (".spz",),
-    b"PK\x03\x04": (".sog",),
+    _GZIP: (".spz",),
+    _ZIP: (".sog",),
 }
 
 
@@ -51,7 +54,8 @@ def read_splats(path: Path, reading: Reading) -> ReadSplats:
     """Read a file of splats, or a folder that holds one scene.
 
     Raises:
-        InputError: its format is not known or not read, it holds another one than its suffix says, or is damaged.
+        InputError: its format is not known or not read, it holds another one than its suffix says, is an archive, or
+            is damaged.
     """
     if path.is_dir() or path.name == META:
         assert SOG.read is not None
@@ -69,13 +73,27 @@ def _check_beginning(path: Path) -> None:
     """Refuse a file that begins as one of another format does.
 
     Raises:
-        InputError: it does; the message names the suffix that it should have.
+        InputError: it does, or is an archive; the message names the suffix that it should have, or the command.
     """
     try:
         with path.open("rb") as file:
             beginning = file.read(8)
     except OSError:
         return  # whoever reads it tells
+    suffix = path.suffix.lower()
+    if beginning.startswith(_ZIP) and suffix != SOG.suffix and not _is_sog(path):
+        raise InputError(path, "is an archive", f"unzip {shlex.quote(path.name)}, and import the file of splats within")
+    if beginning.startswith(_GZIP) and suffix == ".gz":
+        raise InputError(path, "is compressed", f"gunzip {shlex.quote(path.name)}, and import {path.stem}")
     suffixes = next((found for word, found in _BEGINNINGS.items() if beginning.startswith(word)), None)
-    if suffixes is not None and path.suffix.lower() not in suffixes and path.suffix.lower() != ".4dgs":
+    if suffixes is not None and suffix not in (*suffixes, ".4dgs"):
         raise InputError(path, f"begins as a {suffixes[0]} file", f"rename it to {path.stem}{suffixes[0]}")
+
+
+def _is_sog(path: Path) -> bool:
+    """Return whether a zip holds a scene of pictures, at its top or in a folder."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            return any(name.rpartition("/")[2] == META for name in archive.namelist())
+    except (OSError, ValueError, zipfile.BadZipFile):
+        return False

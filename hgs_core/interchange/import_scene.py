@@ -9,12 +9,12 @@ from pathlib import Path
 
 import numpy as np
 
-from hgs_core.base.arrays import Floats
+from hgs_core.base.arrays import Doubles, Floats
 from hgs_core.base.errors import InputError
 from hgs_core.interchange.antialiasing_note import UNTOLD
 from hgs_core.interchange.changes import Action, Change, nonzero
 from hgs_core.interchange.drawable import drawable
-from hgs_core.interchange.far_places import middle_if_far, moved
+from hgs_core.interchange.far_places import coarse, middle_if_far, moved
 from hgs_core.interchange.file_format import Reading, ReadSplats
 from hgs_core.interchange.formats import read_splats
 from hgs_core.interchange.ply.ply_sequence import read_sequence
@@ -67,13 +67,14 @@ def import_scene(
         if found.middle is None and centred:
             found = _centred(found)
         sets = found.dynamic or (DynamicSplats.empty(),)
+        steps = () if found.middle is None else coarse(*_places_and_sizes(found))
         total = len(found.static) + sum(map(len, sets))
         if total == 0:
             raise InputError(path, "holds no splats", "give a file with at least one")
         static, sets, changes = drawable(found.static, sets)
     if sequence:
         duration = len(found.dynamic) / frame_rate
-    said = [*found.changes, *changes, *_drawing(found.antialiased, antialiased)]
+    said = [*found.changes, *steps, *changes, *_drawing(found.antialiased, antialiased)]
     logits = np.concatenate([static.opacity_logits, *(dynamic.opacity_logits for dynamic in sets)])
     if not (opacities_of(logits) >= LEAST_OPACITY).any():
         told = "; ".join(map(str, nonzero([*found.changes, *changes])))
@@ -88,8 +89,7 @@ def import_scene(
 
 def _centred(found: ReadSplats) -> ReadSplats:
     """Move splats far from the origin there, for formats with numbers of 32 bits."""
-    starts = [found.static.means, *(dynamic.motion[:, 0] for dynamic in found.dynamic)]
-    middle = middle_if_far(np.concatenate(starts).astype(np.float64))
+    middle = middle_if_far(_places_and_sizes(found)[0])
     if middle is None:
         return found
     static = dataclasses.replace(found.static, means=(found.static.means - middle).astype(np.float32))
@@ -100,6 +100,14 @@ def _centred(found: ReadSplats) -> ReadSplats:
         sets.append(dataclasses.replace(dynamic, motion=motion.astype(np.float32)))
     changes = (*found.changes, moved(middle))
     return dataclasses.replace(found, static=static, dynamic=tuple(sets), middle=middle, changes=changes)
+
+
+def _places_and_sizes(found: ReadSplats) -> tuple[Doubles, Floats]:
+    """Return the places [N, 3] of all splats, less the middle, and their log-scales [N, 3]."""
+    sets = found.dynamic or (DynamicSplats.empty(),)
+    places = [found.static.means, *(dynamic.motion[:, 0] for dynamic in sets)]
+    sizes = [found.static.log_scales, *(dynamic.log_scales for dynamic in sets)]
+    return np.concatenate(places).astype(np.float64), np.concatenate(sizes)
 
 
 def _drawing(said: bool | None, given: bool | None) -> list[Change]:

@@ -63,6 +63,9 @@ def read_properties(path: Path, table: Table, reading: Reading) -> Properties:
     scale = scale[:2] if surfel else scale
     rot, opacity = _first_of(table, _TURNS), _first_of(table, tuple((name,) for name in _OPACITY))
     exact = exact_columns(path, table, PLACE)
+    if scale[0] not in table and opacity[0] not in table:
+        cure = "give the file that a training of splats wrote, as point_cloud/iteration_30000/point_cloud.ply"
+        raise InputError(path, "holds points, not splats: they have no sizes and no opacities", cure)
     scales, opacities = exact_columns(path, table, scale), exact_columns(path, table, opacity)[:, 0]
     quats = columns(path, table, rot)
     colours, names, plain = _colours(path, table)

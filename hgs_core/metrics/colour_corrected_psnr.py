@@ -32,6 +32,11 @@ class ColourCorrectedError:
         if region is not None:
             self._region.add(image[:, region], truth[:, region])
 
+    def include(self, other: ColourCorrectedError) -> None:
+        """Add all frames of another."""
+        self._whole.include(other._whole)
+        self._region.include(other._region)
+
     def psnr(self) -> float:
         """Return the PSNR in dB of the squared error pooled over all frames, peak 1; nan without frames."""
         if self._whole.values == 0:
@@ -65,6 +70,13 @@ class _Products:
         self.cross += extended @ target.T
         self.truth += float(target.square().sum())
         self.values += target.numel()
+
+    def include(self, other: _Products) -> None:
+        """Add the sums of another."""
+        self.gram += other.gram
+        self.cross += other.cross
+        self.truth += other.truth
+        self.values += other.values
 
     def squared_error(self, affine: Tensor) -> float:
         """Return the sum of squares that a map [4, 3] leaves: of `affine^T x - y` over all pixels."""

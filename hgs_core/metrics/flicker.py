@@ -27,6 +27,8 @@ __all__ = ["STILL_DEVIATION", "Flicker", "flicker"]
 STILL_DEVIATION = 0.01
 """Of the peak: above the noise of cameras and codecs, below the passing of a shadow."""
 
+_STRIP_ROWS = 32  # rows at a time
+
 
 class Flicker:
     """The flicker of one camera, from its frames one at a time; memory does not grow with their number."""
@@ -38,13 +40,15 @@ class Flicker:
 
     def add(self, image: Tensor, truth: Tensor, moving: Tensor | None = None) -> None:
         """Add a frame [3, H, W] in [0, 1], and its motion mask [H, W], if there is one."""
-        truth = truth.double()
-        error = image.double() - truth
-        terms = (error, error.square(), truth, truth.square())
         if not self._sums:
-            self._sums = [torch.zeros_like(truth) for _ in terms]
-        for total, term in zip(self._sums, terms, strict=True):
-            total += term
+            self._sums = [torch.zeros_like(truth, dtype=torch.float64) for _ in range(4)]
+        for first in range(0, truth.shape[1], _STRIP_ROWS):  # float64 planes of a whole picture leave the cache
+            rows = slice(first, first + _STRIP_ROWS)
+            true = truth[:, rows].double()
+            error = image[:, rows].double() - true
+            terms = (error, error.square(), true, true.square())
+            for total, term in zip(self._sums, terms, strict=True):
+                total[:, rows] += term
         if moving is not None:
             self._moved = moving.clone() if self._moved is None else self._moved | moving
         self._frames += 1

@@ -7,8 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from hgs_core.base.cores import core_count
 from hgs_core.native.kernel_arrays import Floats, address, planes_size
-from hgs_core.native.library import check, load, thread_count
+from hgs_core.native.library import check, load
 
 __all__ = ["ColourGradients", "LensAxis", "camera_shown", "camera_shown_backward"]
 
@@ -51,7 +52,7 @@ def camera_shown(
         affine: [3, 4] float32, `[A | b]`.
         falloff: [2] float32, coefficients of the gain.
         lens: where it looks.
-        threads: default `thread_count()`.
+        threads: default `core_count()`.
 
     Raises:
         ValueError: an array of another shape or type.
@@ -64,7 +65,7 @@ def camera_shown(
         ctypes.c_void_p(address("picture", picture, picture.shape)),
         width,
         height,
-        threads or thread_count(),
+        threads or core_count(),
         ctypes.c_void_p(address("shown", shown, picture.shape)),
     )
     check(status)
@@ -82,7 +83,7 @@ def camera_shown_backward(
         affine: [3, 4].
         falloff: [2].
         lens: where it looks.
-        threads: default `thread_count()`.
+        threads: default `core_count()`.
 
     Raises:
         ValueError: an array of another shape or type.
@@ -96,7 +97,7 @@ def camera_shown_backward(
         ctypes.c_void_p(address("gradient", gradient, picture.shape)),
         width,
         height,
-        threads or thread_count(),
+        threads or core_count(),
         *(ctypes.c_void_p(address(name, array, array.shape)) for name, array in found._asdict().items()),
     )
     check(status)

@@ -22,9 +22,9 @@ from pathlib import Path
 import hgs_core.native
 from hgs_core.base.errors import InputError
 
-__all__ = ["available", "check", "instruction_set", "load", "supported", "thread_count"]
+__all__ = ["available", "check", "instruction_set", "load", "supported"]
 
-ABI_VERSION = 11  # HGS_ABI_VERSION of src/hgs_native.h
+ABI_VERSION = 12  # HGS_ABI_VERSION of src/hgs_native.h
 LEVELS = ("v2", "v3", "v4")
 SUFFIX = ".dylib" if sys.platform == "darwin" else ".so"
 
@@ -56,22 +56,6 @@ def instruction_set() -> str | None:
 def supported() -> list[str]:
     """Return the instruction sets that were built and that this processor can run, the best last."""
     return _supported(_find())
-
-
-def thread_count() -> int:
-    """Return the number of threads that a call uses by default.
-
-    Raises:
-        InputError: HGS_THREADS is not a positive integer.
-    """
-    text = os.environ.get("HGS_THREADS", "")
-    if text:
-        if not text.isdecimal() or int(text) < 1:
-            raise InputError("HGS_THREADS", f"{text!r} is not a positive integer")
-        return int(text)
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 def check(status: int) -> None:

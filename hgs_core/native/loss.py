@@ -6,8 +6,9 @@ import ctypes
 
 import numpy as np
 
+from hgs_core.base.cores import core_count
 from hgs_core.native.kernel_arrays import Floats, address, planes_size
-from hgs_core.native.library import check, load, thread_count
+from hgs_core.native.library import check, load
 
 __all__ = ["l1_dssim"]
 
@@ -23,7 +24,7 @@ def l1_dssim(
         image: [3, H, W] planes, data range 1, contiguous.
         target: [3, H, W].
         dssim_weight: w above.
-        threads: default `thread_count()`.
+        threads: default `core_count()`.
 
     Returns:
         The loss and its gradient with respect to `image`, [3, H, W].
@@ -41,7 +42,7 @@ def l1_dssim(
         width,
         height,
         ctypes.c_float(dssim_weight),
-        threads or thread_count(),
+        threads or core_count(),
         ctypes.byref(loss),
         ctypes.c_void_p(address("gradient", gradient, image.shape)),
     )

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import ctypes
 
-from hgs_core.native.library import load, thread_count
+from hgs_core.base.cores import core_count
+from hgs_core.native.library import load
 
 __all__ = ["fma_peak"]
 
@@ -13,7 +14,7 @@ def fma_peak(threads: int | None = None, seconds: float = 0.2) -> float:
     """Measure how many floating-point operations per second nothing but fused multiply-adds reaches.
 
     Args:
-        threads: how many of them work at once; default `thread_count()`.
+        threads: how many of them work at once; default `core_count()`.
         seconds: about how long to measure.
 
     Returns:
@@ -24,7 +25,7 @@ def fma_peak(threads: int | None = None, seconds: float = 0.2) -> float:
     """
     peak = load().hgs_fma_peak
     peak.restype = ctypes.c_double
-    operations = float(peak(threads or thread_count(), ctypes.c_double(seconds)))
+    operations = float(peak(threads or core_count(), ctypes.c_double(seconds)))
     if not operations:
         raise RuntimeError("the threads of the measurement could not be started")
     return operations

@@ -10,8 +10,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from hgs_core.base.cores import core_count
 from hgs_core.native.kernel_arrays import Floats, address
-from hgs_core.native.library import check, load, thread_count
+from hgs_core.native.library import check, load
 from hgs_core.native.structs import (
     STATIC_SHAPES,
     CDynamicGradients,
@@ -104,7 +105,7 @@ class Raster:
             depth: whether `depth` is wanted.
             keep_statics: whether `redraw` will be called.
             draw: whether there will be pictures; without, `contributions` are all that there is.
-            threads: default `thread_count()`.
+            threads: default `core_count()`.
             magnification: [4] of the view against the pictures that made the splats (`hgs_core.render.magnification`).
 
         Raises:
@@ -114,7 +115,7 @@ class Raster:
             MemoryError: not enough memory for them.
         """
         self._workspace: int | None = None
-        self._threads = threads or thread_count()
+        self._threads = threads or core_count()
         self._static = statics_struct(static)
         self._shape = (camera.height, camera.width)
         mask = self._mask(tile_mask)

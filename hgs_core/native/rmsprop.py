@@ -7,8 +7,9 @@ import ctypes
 import numpy as np
 import numpy.typing as npt
 
+from hgs_core.base.cores import core_count
 from hgs_core.native.kernel_arrays import Floats, address
-from hgs_core.native.library import check, load, thread_count
+from hgs_core.native.library import check, load
 
 __all__ = ["rmsprop_step"]
 
@@ -40,7 +41,7 @@ def rmsprop_step(
         factors: [F] of the step size, each for `gradients.size` / F values in turn; None: 1 for all.
         rows: [R] of 0 to N - 1, none twice; None: all of them.
         decays: [R] what is left of the moments of these rows; None: `beta`.
-        threads: default `thread_count()`.
+        threads: default `core_count()`.
 
     Raises:
         ValueError: an array of another shape or type, factors that do not divide the values, a row that is not there,
@@ -84,6 +85,6 @@ def rmsprop_step(
         ctypes.c_double(learning_rate),
         ctypes.c_double(correction),
         ctypes.c_double(epsilon),
-        threads or thread_count(),
+        threads or core_count(),
     )
     check(status)

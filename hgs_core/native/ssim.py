@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import ctypes
 
+from hgs_core.base.cores import core_count
 from hgs_core.native.kernel_arrays import Floats, address, planes_size
-from hgs_core.native.library import check, load, thread_count
+from hgs_core.native.library import check, load
 
 __all__ = ["mean_ssim"]
 
@@ -16,7 +17,7 @@ def mean_ssim(image: Floats, target: Floats, *, threads: int | None = None) -> f
     Args:
         image: [3, H, W] planes, data range 1, contiguous.
         target: [3, H, W].
-        threads: default `thread_count()`.
+        threads: default `core_count()`.
 
     Raises:
         ValueError: an array of another shape or type.
@@ -29,7 +30,7 @@ def mean_ssim(image: Floats, target: Floats, *, threads: int | None = None) -> f
         ctypes.c_void_p(address("target", target, image.shape)),
         width,
         height,
-        threads or thread_count(),
+        threads or core_count(),
         ctypes.byref(mean),
     )
     check(status)

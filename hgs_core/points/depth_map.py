@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from hgs_core.base.cores import core_pool
 from hgs_core.points.visibility import pixels_inside
 from hgs_core.scene.camera import Camera
 
@@ -51,7 +52,12 @@ def points_of_maps(
     Views whose depths differ by less than the share `agreement` of the depth see the same surface; one that sees
     something farther than `beyond` times the depth of a point sees through it.
     """
-    parts = [_points(view, cameras, pictures[view], maps, agreement, beyond) for view in range(len(cameras))]
+
+    def of_view(view: int) -> tuple[npt.NDArray[Any], ...]:
+        return _points(view, cameras, pictures[view], maps, agreement, beyond)
+
+    with core_pool() as pool:
+        parts = list(pool.map(of_view, range(len(cameras))))
     return SweptPoints(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
 
 

@@ -8,23 +8,22 @@ rest of the pictures theirs, so that the targets are met wherever the pictures a
 from __future__ import annotations
 
 import dataclasses
-import os
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from hgs_core.base.errors import InputError
-from hgs_core.base.progress import Progress, ProgressCallback
 from hgs_core.base.wording import counted
 from hgs_core.capture.capture import Capture
-from hgs_core.decompose.background import median_picture, sample_frames
 from hgs_core.decompose.masks import MotionMasks
 from hgs_core.native import library
+from hgs_core.points.backdrop import Backdrop
 from hgs_core.points.depth_map import SweptPoints
 from hgs_core.points.multi_view_stereo import multi_view_stereo
 from hgs_core.points.neighbours import mean_neighbour_distance, thin
+from hgs_core.points.pictures_of_moments import seen_at, still_pictures
 from hgs_core.points.point_cloud import PointCloud
 from hgs_core.points.point_labels import label_points
 from hgs_core.points.same_moment import SameMoment, same_moments
@@ -32,106 +31,118 @@ from hgs_core.points.scene_flow import point_velocities
 from hgs_core.points.sfm import triangulate
 from hgs_core.points.surface_normals import surface_normals
 from hgs_core.points.sweep import depth_ranges, sweep
-from hgs_core.scene.camera import Camera
 
-__all__ = ["initial_points"]
+__all__ = ["PointSearch", "Ranges"]
 
-_STAGE = "points"
+Ranges = Sequence[tuple[float, float]]
+"""Nearest and farthest depth of each training camera, world units."""
+
 _MOST_COARSE_POINTS = 6_000  # points of a coarse sweep; more of them have wrong depths
 _RAYS_PER_POINT = 4  # swept pixels for each point wanted: the better ones are taken
 _MOVING_SHARE = 0.5  # share of the views from which on a point is dynamic
 _MOST_AGREEING_VIEWS = 3  # views that agree on a depth, beyond which more of them mean no more
 _MIN_VIEWS = 2
-_STILL_FRAMES = 11  # frames in the median that is a camera's still picture
-# Share of the sampled frames in which a pixel moves, from which on its background means nothing.
-_UNKNOWN_BACKGROUND_SHARE = 0.5
 _MAX_SPACING = 3.0  # times the median: a lone point must not start as a giant
 
 
-def initial_points(
-    capture: Capture,
-    cameras: Sequence[int],  # the training cameras; no other is read
-    masks: MotionMasks,
-    *,
-    moments: Sequence[int],  # frames, ascending, that dynamic points are taken from
-    static_target: int,
-    dynamic_target: int,  # points of all moments
-    stereo: bool = True,
-    continued: bool = True,
-    normals: bool = False,
-    seed: int,
-    progress: ProgressCallback,
-) -> PointCloud:
-    """Return labelled points of the scene; about the targets' numbers wherever the pictures allow.
+@dataclass(frozen=True)
+class PointSearch:
+    """A search for the labelled first points of a scene; about the targets' numbers wherever the pictures allow.
 
-    The result is the same for the same arguments, whatever the number of threads.
-
-    Raises:
-        InputError: fewer than two cameras, or a picture is missing or unreadable.
-        StageStopped: the callback wishes so.
+    What it finds is the same for the same arguments, whatever the number of threads.
     """
-    if len(cameras) < _MIN_VIEWS:
-        raise InputError(
-            capture.path, f"{counted(len(cameras), 'camera')} to start from", "points need at least two views"
+
+    capture: Capture
+    cameras: Sequence[int]  # the training cameras; no other is read
+    masks: MotionMasks
+    static_target: int
+    dynamic_target: int  # points of all moments
+    stereo: bool = True
+    continued: bool = True
+    normals: bool = False
+
+    def __post_init__(self) -> None:
+        """Check the number of cameras.
+
+        Raises:
+            InputError: there are fewer than two.
+        """
+        if len(self.cameras) < _MIN_VIEWS:
+            problem = f"{counted(len(self.cameras), 'camera')} to start from"
+            raise InputError(self.capture.path, problem, "points need at least two views")
+
+    @property
+    def backdrop(self) -> Backdrop | None:
+        """The surface on which all that stands still is placed; None where pictures agree on its places."""
+        return None
+
+    def features(self, frame: int) -> PointCloud:
+        """Return the points of the features of whole pictures at a frame, moving ones included.
+
+        Raises:
+            InputError: a picture is missing or unreadable; so do the other methods.
+        """
+        return _sparse(self.capture, self._together(frame), self.masks, whole=True)
+
+    def ranges(self, features: PointCloud) -> Ranges:
+        """Return the depths between which the sweeps look."""
+        return depth_ranges([self.capture.cameras[index] for index in self.cameras], features.xyz)
+
+    def still(self, features: PointCloud, ranges: Ranges, generator: np.random.Generator) -> PointCloud:
+        """Return static points: those of the features of the first moment, and of the background."""
+        still = features.take(features.dynamic < _MOVING_SHARE)
+        missing = max(0, self.static_target - len(still))
+        seeds = _static_seeds(
+            self.capture, self.cameras, self.masks, ranges, missing, self.stereo, self.continued, generator
         )
-    generator = np.random.default_rng(seed)
-    views = [capture.cameras[index] for index in cameras]
-    steps = len(moments) + 2
-    progress(Progress(_STAGE, 0, steps))
+        still = PointCloud.concatenate([still, seeds])
+        still = _spaced(_reduced(still, self.static_target, generator))
+        return dataclasses.replace(still, normal=surface_normals(still.xyz)) if self.normals else still
 
-    whole = SameMoment(float(capture.times[moments[0]]), tuple(cameras), (moments[0],) * len(cameras))
-    first = _sparse(capture, whole, masks, whole=True)
-    still = first.take(first.dynamic < _MOVING_SHARE)
-    ranges = depth_ranges(views, first.xyz)
-    progress(Progress(_STAGE, 1, steps))
-
-    missing = max(0, static_target - len(still))
-    seeds = _static_seeds(capture, cameras, masks, ranges, missing, stereo, continued, generator)
-    still = PointCloud.concatenate([still, seeds])
-    still = _spaced(_reduced(still, static_target, generator))
-    parts = [dataclasses.replace(still, normal=surface_normals(still.xyz)) if normals else still]
-    progress(Progress(_STAGE, 2, steps))
-
-    for number, frame in enumerate(moments):
-        quota = dynamic_target * (number + 1) // len(moments) - dynamic_target * number // len(moments)
-        groups = same_moments(capture, cameras, frame)
+    def moving(
+        self,
+        frame: int,
+        count: int,
+        ranges: Ranges,
+        generator: np.random.Generator,
+        features: PointCloud | None = None,
+    ) -> PointCloud:
+        """Return about `count` moving points at a frame; `features` are those of this frame, where known."""
+        groups = same_moments(self.capture, self.cameras, frame)
         grouped = sum(len(group.cameras) for group in groups)
-        shares = [quota * len(group.cameras) // grouped for group in groups]
-        shares[0] += quota - sum(shares)
+        shares = [count * len(group.cameras) // grouped for group in groups]
+        shares[0] += count - sum(shares)
+        parts = []
         for group, share in zip(groups, shares, strict=True):
-            known = first if number == 0 and group == whole else _sparse(capture, group, masks, whole=False)
+            known = features if group == self._together(frame) else None
+            if known is None:
+                known = _sparse(self.capture, group, self.masks, whole=False)
             moving = known.take(known.dynamic >= _MOVING_SHARE)
-            near = [ranges[cameras.index(index)] for index in group.cameras]
-            seeds = _dynamic_seeds(capture, group, masks, near, max(0, share - len(moving)), generator)
+            near = [ranges[self.cameras.index(index)] for index in group.cameras]
+            seeds = _dynamic_seeds(self.capture, group, self.masks, near, max(0, share - len(moving)), generator)
             moving = _spaced(_reduced(PointCloud.concatenate([moving, seeds]), share, generator))
-            velocity = point_velocities(capture, group, masks, moving.xyz)
+            velocity = point_velocities(self.capture, group, self.masks, moving.xyz)
             parts.append(dataclasses.replace(moving, velocity=velocity))
-        progress(Progress(_STAGE, number + 3, steps, {"points": float(sum(len(part) for part in parts))}))
-    return PointCloud.concatenate(parts)
+        return PointCloud.concatenate(parts)
+
+    def _together(self, frame: int) -> SameMoment:
+        """Return a frame of all cameras, as if they were in step."""
+        return SameMoment(float(self.capture.times[frame]), tuple(self.cameras), (frame,) * len(self.cameras))
 
 
 def _sparse(capture: Capture, moment: SameMoment, masks: MotionMasks, *, whole: bool) -> PointCloud:
     """Triangulate the features of one moment: those of whole pictures, or only those that move."""
-    views, pictures, moving = _seen_at(capture, moment, masks)
+    views, pictures, moving = seen_at(capture, moment, masks)
     found = triangulate(views, pictures, None if whole else moving)
     dynamic = label_points(views, moving, found.xyz, found.seen)
     return _cloud(found.xyz, found.rgb, moment.seconds, dynamic)
-
-
-def _seen_at(
-    capture: Capture, moment: SameMoment, masks: MotionMasks
-) -> tuple[list[Camera], list[npt.NDArray[np.uint8]], list[npt.NDArray[np.bool_]]]:
-    """Return the cameras, their pictures [H, W, 3] and motion masks [H, W]."""
-    views = [capture.cameras[index] for index in moment.cameras]
-    own = list(zip(moment.cameras, moment.frames, strict=True))
-    return views, [capture.frame(*one) for one in own], [masks.mask(*one) for one in own]
 
 
 def _static_seeds(
     capture: Capture,
     cameras: Sequence[int],
     masks: MotionMasks,
-    ranges: Sequence[tuple[float, float]],
+    ranges: Ranges,
     count: int,
     stereo: bool,
     continued: bool,
@@ -143,8 +154,7 @@ def _static_seeds(
     than a few thousand.
     """
     views = [capture.cameras[index] for index in cameras]
-    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
-        backgrounds = list(pool.map(lambda index: _still_picture(capture, masks, index), cameras))
+    backgrounds = still_pictures(capture, masks, cameras)
     pictures = [picture for picture, _ in backgrounds]
     trusted = [mask for _, mask in backgrounds]
     if stereo and library.available():
@@ -157,26 +167,16 @@ def _static_seeds(
     return _cloud(swept.xyz[chosen], swept.rgb[chosen], float(capture.times[0]), np.zeros(len(chosen), np.float32))
 
 
-def _still_picture(
-    capture: Capture, masks: MotionMasks, camera: int
-) -> tuple[npt.NDArray[np.uint8], npt.NDArray[np.bool_]]:
-    """Return the median picture [H, W, 3] of a camera over time and the pixels [H, W] where it is the background."""
-    sampled = sample_frames(len(capture.times), _STILL_FRAMES)
-    picture = median_picture(np.stack([capture.frame(camera, frame) for frame in sampled]))
-    moving = np.mean([masks.mask(camera, frame) for frame in sampled], axis=0)
-    return picture, np.asarray(moving < _UNKNOWN_BACKGROUND_SHARE)
-
-
 def _dynamic_seeds(
     capture: Capture,
     moment: SameMoment,
     masks: MotionMasks,
-    ranges: Sequence[tuple[float, float]],
+    ranges: Ranges,
     count: int,
     generator: np.random.Generator,
 ) -> PointCloud:
     """Sweep the moving pixels of one moment inside the visual hull of the masks."""
-    views, pictures, moving = _seen_at(capture, moment, masks)
+    views, pictures, moving = seen_at(capture, moment, masks)
     if count == 0 or not any(mask.any() for mask in moving):
         return PointCloud.concatenate([])
 

@@ -10,13 +10,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import numpy.typing as npt
 
+from hgs_core.base.cores import core_pool
 from hgs_core.capture.pictures.picture import reduced_mask, reduced_picture
-from hgs_core.native.library import thread_count
 from hgs_core.native.plane_sweep import plane_sweep
 from hgs_core.points.depth_completion import completed
 from hgs_core.points.depth_map import DepthMap, SweptPoints, points_of_maps
@@ -71,7 +70,7 @@ def multi_view_stereo(
         inverse = completed(1 / np.where(known, found.depths, 1.0), known)
         return DepthMap(1, np.where(mask | (inverse <= 0), 0.0, 1 / np.where(inverse > 0, inverse, 1.0)))
 
-    with ThreadPoolExecutor(thread_count()) as pool:
+    with core_pool() as pool:
         maps = list(pool.map(sweep, range(len(cameras))))
         surfaces = _masks(maps, _is_surface(_points(smaller, small, maps)))
         maps = list(pool.map(complete, maps, left_out, surfaces))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import zipfile
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,10 +11,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from hgs_core.base.atomic import replacing
 from hgs_core.base.errors import InputError
 
-__all__ = ["PointCloud"]
+__all__ = ["CURE", "PointCloud"]
+
+CURE = "delete it and near.json beside it, and run hgs train again"
+"""The cure for a damaged file of first points."""
 
 _ROW = {"xyz": (3,), "rgb": (3,), "times": (), "dynamic": (), "spacing": (), "velocity": (3,), "normal": (3,)}
 
@@ -58,14 +59,9 @@ class PointCloud:
             return PointCloud(*(np.zeros((0, *row), np.float32) for row in _ROW.values()))
         return PointCloud(*(np.concatenate([getattr(cloud, name) for cloud in clouds]) for name in _ROW))
 
-    def save(self, path: Path) -> None:
-        """Write an .npz file, which appears complete or not at all."""
-        with replacing(path) as file:
-            np.savez(file, **dataclasses.asdict(self))
-
     @classmethod
     def load(cls, path: Path) -> PointCloud:
-        """Read a file that `save` wrote.
+        """Read a file of first points (`FoundPoints.save`).
 
         Raises:
             InputError: the file is missing, unreadable, or an array is missing, of a wrong shape or not finite.
@@ -74,10 +70,8 @@ class PointCloud:
             with path.open("rb") as stream, np.load(stream, allow_pickle=False) as file:
                 arrays = {name: np.asarray(file[name], np.float32) for name in _ROW}
         except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
-            raise InputError(
-                path, f"unreadable as a point cloud ({error})", "run the stage `initialise` again"
-            ) from error
+            raise InputError(path, f"unreadable as a point cloud ({error})", CURE) from error
         for name, row in _ROW.items():
             if arrays[name].shape != (len(arrays["xyz"]), *row) or not np.isfinite(arrays[name]).all():
-                raise InputError(path, f"{name} is not a finite array of shape (points, *{row})")
+                raise InputError(path, f"{name} is not a finite array of shape (points, *{row})", CURE)
         return cls(**arrays)

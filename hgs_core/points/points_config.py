@@ -24,6 +24,7 @@ class PointsConfig:
     interval: float = 1 / 3  # seconds between the moments that dynamic points are taken from (interleaved frames)
     stereo: bool = True  # static points by multi-view stereo; else a coarse sweep, at most 6,000
     continued: bool = True  # stereo's surfaces go on where one camera looks alone; else nothing starts there
+    hull: bool = True  # cameras far apart start from silhouettes (docs/training.md); else as all others do
     discs: bool = False  # splats of points on surfaces start as discs that lie in these; else all start round
 
     def __post_init__(self) -> None:

@@ -8,11 +8,13 @@ later, in coarse pictures first. (Vedula et al., ICCV 1999, have it from the opt
 from __future__ import annotations
 
 from collections.abc import Sequence
+from concurrent.futures import Executor
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from hgs_core.base.cores import core_pool
 from hgs_core.capture.capture import Capture
 from hgs_core.capture.pictures.picture import reduced_picture
 from hgs_core.decompose.masks import MotionMasks
@@ -85,23 +87,25 @@ def scene_flow(
     follow = _squares(points, points[leaders]).argmin(1)
     alike = _nearest(points)
     found = np.zeros_like(points)
-    for level, (size, radius) in enumerate(_PYRAMID):
-        rows, near = (leaders, _nearest(points[leaders])) if level == 0 else (np.arange(len(points)), alike)
-        steps = _ball(radius)
-        trials = points[rows, None] + found[rows, None] + steps * (unit[rows] / size)[:, None, None]
-        cost = _disagreement(cameras, now, later, seen[:, rows], points[rows], trials, size)
-        cost += _EFFORT_PER_PIXEL * np.linalg.norm(steps, axis=1).astype(np.float32) / size
-        if level == 0:
-            cost = cost[near].mean(1)  # all of them start from the same place
-        best = (trials - points[rows, None])[np.arange(len(rows)), cost.argmin(1)]
-        best = np.median(best[near], axis=1)
-        found = best[follow] if level == 0 else best
+    with core_pool() as pool:
+        for level, (size, radius) in enumerate(_PYRAMID):
+            rows, near = (leaders, _nearest(points[leaders])) if level == 0 else (np.arange(len(points)), alike)
+            steps = _ball(radius)
+            trials = points[rows, None] + found[rows, None] + steps * (unit[rows] / size)[:, None, None]
+            cost = _disagreement(pool, cameras, now, later, seen[:, rows], points[rows], trials, size)
+            cost += _EFFORT_PER_PIXEL * np.linalg.norm(steps, axis=1).astype(np.float32) / size
+            if level == 0:
+                cost = cost[near].mean(1)  # all of them start from the same place
+            best = (trials - points[rows, None])[np.arange(len(rows)), cost.argmin(1)]
+            best = np.median(best[near], axis=1)
+            found = best[follow] if level == 0 else best
     quick = np.linalg.norm(found, axis=1) >= _SLOWEST_SPEED * unit
     flow[known[quick]] = found[quick]
     return flow.astype(np.float32)
 
 
 def _disagreement(
+    pool: Executor,
     cameras: Sequence[Camera],
     now: Sequence[npt.NDArray[np.uint8]],
     later: Sequence[npt.NDArray[np.uint8]],
@@ -111,20 +115,25 @@ def _disagreement(
     size: float,
 ) -> npt.NDArray[np.float32]:
     """Return [P, K] the mean over the views of by how much the colours differ, levels of 255."""
-    total = np.zeros(trials.shape[:2], np.float32)
-    for camera, first, second, rows in zip(cameras, now, later, seen, strict=True):
+
+    def in_view(
+        camera: Camera, first: npt.NDArray[np.uint8], second: npt.NDArray[np.uint8], rows: npt.NDArray[np.bool_]
+    ) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.float32]]:
         small = camera.scaled(size)
         asked = np.flatnonzero(rows)
-        if len(asked) == 0:
-            continue
-        before, after = (_smooth(reduced_picture(picture, small)) for picture in (first, second))
-        own = np.full((len(asked), 3), -1000, np.int16)
-        inside, at = pixels_inside(small, points[asked])
-        own[inside] = before[at[:, 1], at[:, 0]]
         cost = np.full((len(asked), trials.shape[1]), _BLOCKED_ERROR, np.float32)
-        inside, at = pixels_inside(small, trials[asked].reshape(-1, 3))
-        difference = colour_difference(after[at[:, 1], at[:, 0]], own[inside // trials.shape[1]])
-        cost.reshape(-1)[inside] = np.minimum(difference, _BLOCKED_ERROR)
+        if len(asked) > 0:
+            before, after = (_smooth(reduced_picture(picture, small)) for picture in (first, second))
+            own = np.full((len(asked), 3), -1000, np.int16)
+            inside, at = pixels_inside(small, points[asked])
+            own[inside] = before[at[:, 1], at[:, 0]]
+            inside, at = pixels_inside(small, trials[asked].reshape(-1, 3))
+            difference = colour_difference(after[at[:, 1], at[:, 0]], own[inside // trials.shape[1]])
+            cost.reshape(-1)[inside] = np.minimum(difference, _BLOCKED_ERROR)
+        return asked, cost
+
+    total = np.zeros(trials.shape[:2], np.float32)
+    for asked, cost in pool.map(in_view, cameras, now, later, seen):
         total[asked] += cost
     return np.asarray(total / np.maximum(seen.sum(0), 1)[:, None], np.float32)
 

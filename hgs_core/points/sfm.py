@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
 import numpy.typing as npt
 
+from hgs_core.base.cores import core_pool
 from hgs_core.points.features import Features, extract_features, fundamental_matrix, match_features
 from hgs_core.points.visibility import nearest_cameras
 from hgs_core.scene.camera import Camera
@@ -51,7 +50,7 @@ def triangulate(
     """Return the points that at least three views agree on; the same bits for the same input and any thread count."""
     wanted = masks if masks is not None else [None] * len(pictures)
     pairs = camera_pairs(cameras)
-    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+    with core_pool() as pool:
         features = list(pool.map(extract_features, pictures, wanted))
         matches = list(pool.map(lambda pair: _match(cameras, features, *pair), pairs))
     return _reconstruct(cameras, pictures, features, dict(zip(pairs, matches, strict=True)))

@@ -7,13 +7,12 @@ depth, and says by the agreement of the neighbours' own depths how far each one 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from hgs_core.native.library import thread_count
+from hgs_core.base.cores import core_pool
 from hgs_core.points.depth_map import DepthMap, SweptPoints, points_of_maps
 from hgs_core.points.sweep_costs import BLIND_COST, colour_descriptors, sweep_costs
 from hgs_core.points.visibility import nearest_cameras, pixels_inside
@@ -76,7 +75,7 @@ def sweep(
         return _depth_map(cameras[view], descriptors[view], others, wanted[view], ranges[view], step, masks)
 
     masks = [(c, np.ascontiguousarray(mask)) for c, mask in zip(cameras, hull, strict=True)] if hull else []
-    with ThreadPoolExecutor(thread_count()) as pool:
+    with core_pool() as pool:
         descriptors = list(pool.map(colour_descriptors, pictures))
         maps = list(pool.map(one, range(len(cameras))))
     return points_of_maps(cameras, pictures, maps, agreement=_AGREEMENT, beyond=_BEYOND)

@@ -20,10 +20,8 @@ def pixels_inside(
 ) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
     """Return the rows [K] of the points that project into the picture, and the pixels [K, 2] (column, row) they hit."""
     pixels, depths = camera.project(xyz)
-    column, row = pixels.T
-    inside = (depths > near) & (column >= 0) & (column < camera.width) & (row >= 0) & (row < camera.height)
-    rows = np.flatnonzero(inside)
-    return rows, np.stack((column[rows], row[rows])).astype(np.int64).T
+    rows = np.flatnonzero(camera.shows(pixels, depths, beyond=near))
+    return rows, pixels[rows].astype(np.int64)
 
 
 def nearest_cameras(cameras: Sequence[Camera], count: int) -> list[list[int]]:

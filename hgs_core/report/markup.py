@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 
-__all__ = ["chart", "note", "pairs", "section", "table"]
+__all__ = ["chart", "image", "note", "pairs", "section", "table"]
 
 
 def section(anchor: str, title: str, html: Iterable[str]) -> str:
@@ -24,6 +24,13 @@ def chart(title: str, html: str, words: str = "") -> str:
     """Return a chart under its title, with an explanation below."""
     below = note(words) if words else ""
     return f'<figure class="chart"><figcaption>{escape(title)}</figcaption>{html}{below}</figure>'
+
+
+def image(uri: str, size: tuple[int, int], words: str, kind: str = "") -> str:
+    """Return a picture of `size` (width, height, in pixels) in a style of page.css, described by words."""
+    css = f' class="{kind}"' if kind else ""
+    width, height = size
+    return f'<img{css} src="{uri}" width="{width}" height="{height}" alt="{escape(words)}" decoding="async">'
 
 
 def pairs(facts: Mapping[str, str]) -> str:

@@ -18,6 +18,8 @@ from hgs_core.report.chart_sections import (
 from hgs_core.report.check_section import PairPictures, check_section
 from hgs_core.report.codec_section import codec_section
 from hgs_core.report.key_figures import config_changes, key_figures
+from hgs_core.report.larger_pictures import LargerPictures
+from hgs_core.report.larger_section import larger_section
 from hgs_core.report.markup import note, pairs, section, table
 from hgs_core.report.picture_section import picture_section
 from hgs_core.report.pictures import CameraPictures
@@ -30,6 +32,7 @@ __all__ = ["PageContent", "report_page"]
 _SECTIONS = {
     "check": "The capture",
     "pictures": "Pictures",
+    "larger": "Larger screens",
     "quality": "Quality",
     "training": "Training",
     "decomposition": "What moves",
@@ -55,6 +58,7 @@ class PageContent:
     machine: Mapping[str, object]  # the machine of this page, with the version of this software
     check: CaptureCheck | None = None  # check of the capture, before the training
     checked: Sequence[PairPictures] = ()
+    larger: Sequence[LargerPictures] = ()
 
 
 def report_page(content: PageContent) -> str:
@@ -65,6 +69,7 @@ def report_page(content: PageContent) -> str:
     sections = [
         check_section(content.check, content.checked),
         picture_section(run, content.cameras, content.no_pictures),
+        larger_section(run, content.larger),
         quality_section(run, content.cameras, content.times),
         training_section(run),
         decomposition_section(run, content.cameras),

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from html import escape
 
 from hgs_core.report.error_colours import ERROR_RANGE, colour_table
-from hgs_core.report.markup import note, section
+from hgs_core.report.markup import image, note, section
 from hgs_core.report.pictures import MOVING_COLOUR, CameraPictures, Moment
 from hgs_core.report.sources import FinishedRun
 
@@ -71,8 +71,8 @@ def _moment(camera: str, moment: Moment) -> str:
         f'<div class="moment"><h3>{escape(title)}{worst}</h3><div class="three">'
         f"<figure>{_wipe(moment, where)}"
         "<figcaption>Left of the line what is drawn, right of it the truth</figcaption></figure>"
-        f"<figure>{_image(moment.error, moment, f'Error map, {where}')}<figcaption>Error</figcaption></figure>"
-        f"<figure>{_image(moment.moving, moment, f'Share of dynamic splats, {where}')}"
+        f"<figure>{image(moment.error, moment.size, f'Error map, {where}')}<figcaption>Error</figcaption></figure>"
+        f"<figure>{image(moment.moving, moment.size, f'Share of dynamic splats, {where}')}"
         f"<figcaption>Dynamic splats draw {moment.dynamic_share:.1%} of the pixels</figcaption></figure>"
         "</div></div>"
     )
@@ -81,16 +81,10 @@ def _moment(camera: str, moment: Moment) -> str:
 def _wipe(moment: Moment, where: str) -> str:
     """Two pictures one over the other; the upper one is drawn left of the line. The whole picture is the slider."""
     return (
-        f'<div class="wipe">{_image(moment.truth, moment, f"Truth, {where}")}'
-        f"{_image(moment.drawn, moment, f'Drawn, {where}', 'over')}"
+        f'<div class="wipe">{image(moment.truth, moment.size, f"Truth, {where}")}'
+        f"{image(moment.drawn, moment.size, f'Drawn, {where}', 'over')}"
         '<span class="tag left" aria-hidden="true">drawn</span><span class="tag right" aria-hidden="true">truth</span>'
         '<span class="line" aria-hidden="true"></span>'
         f'<input type="range" min="0" max="100" value="50" step="0.5" aria-label="{escape(f"Share drawn, {where}")}">'
         "</div>"
     )
-
-
-def _image(uri: str, moment: Moment, words: str, kind: str = "") -> str:
-    css = f' class="{kind}"' if kind else ""
-    width, height = moment.size
-    return f'<img{css} src="{uri}" width="{width}" height="{height}" alt="{escape(words)}" decoding="async">'

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import base64
 import dataclasses
-import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -21,6 +19,7 @@ from hgs_core.codec import decode_scene
 from hgs_core.metrics.psnr import psnr
 from hgs_core.render.fixed_view import FixedView
 from hgs_core.render.threads import one_torch_thread
+from hgs_core.report.embedded_pictures import Bytes, data_uri, pixels_of, reduced, reduced_size
 from hgs_core.report.error_colours import error_picture
 from hgs_core.report.sources import FinishedRun
 from hgs_core.scene.splats import HybridScene
@@ -33,11 +32,7 @@ _MOMENTS_PER_CAMERA = 3  # moments of a camera, beside the worst
 _STRETCHES_ALIKE = 10  # frames nearer than the capture's length over this show about the same
 _MOST_CAMERAS = 4  # a report stays a few megabytes
 _MOST_FRAMES_MEASURED = 60  # frames of a camera, where the report measures them itself
-_WIDTH = 640  # pixels, at most
-_JPEG_QUALITY = 86  # JPEG
 _ERROR_MAP_QUALITY = 75  # JPEG, of error maps: mostly noise, which costs bytes
-
-Bytes = npt.NDArray[np.uint8]
 
 
 @dataclass(frozen=True)
@@ -113,7 +108,7 @@ def evenly(items: Sequence[Any], count: int) -> list[Any]:
 
 def picture_of(capture: Capture, camera: str, frame: int) -> str:
     """Return a picture of the capture at the report's size, as a data URI."""
-    return _data_uri(_reduced(capture.frame(capture.camera_index(camera), frame)))
+    return data_uri(reduced(capture.frame(capture.camera_index(camera), frame)))
 
 
 class _Artist:
@@ -135,7 +130,7 @@ class _Artist:
         """Draw a frame."""
         drawn, truth = self._drawn(frame), self._truth(frame)
         share = self._dynamic_share(frame)
-        picture, size = _reduced(_pixels(drawn)), self._size()
+        picture, size = reduced(pixels_of(drawn)), self._size()
         error = _reduced_field((drawn - truth).abs().mean(dim=0), size)
         return Moment(
             frame=frame,
@@ -143,15 +138,15 @@ class _Artist:
             psnr=decibels,
             worst=worst,
             size=size,
-            drawn=_data_uri(picture),
-            truth=_data_uri(_reduced(_pixels(truth))),
-            error=_data_uri(error_picture(error), _ERROR_MAP_QUALITY),
-            moving=_data_uri(_tinted(picture, _reduced_field(share, size))),
+            drawn=data_uri(picture),
+            truth=data_uri(reduced(pixels_of(truth))),
+            error=data_uri(error_picture(error), _ERROR_MAP_QUALITY),
+            moving=data_uri(_tinted(picture, _reduced_field(share, size))),
             dynamic_share=float((share > 0.5).double().mean()),
         )
 
     def _size(self) -> tuple[int, int]:
-        return _reduced_size(self._camera.width, self._camera.height)
+        return reduced_size(self._camera.width, self._camera.height)
 
     def _truth(self, frame: int) -> Tensor:
         return target_picture(self._capture, self._index, frame, self._camera)
@@ -169,25 +164,10 @@ class _Artist:
         return self._weights.frame(white, moment).rgb[0].clamp(0, 1)
 
 
-def _reduced_size(width: int, height: int) -> tuple[int, int]:
-    factor = min(1.0, _WIDTH / width)
-    return max(1, round(width * factor)), max(1, round(height * factor))
-
-
-def _reduced(pixels: Bytes) -> Bytes:
-    """Average a picture [H, W, 3] down to the report's size."""
-    image = Image.fromarray(pixels)
-    return np.asarray(image.resize(_reduced_size(*image.size), Image.Resampling.BOX))
-
-
 def _reduced_field(values: Tensor, size: tuple[int, int]) -> npt.NDArray[np.float32]:
     """Average a field [H, W] down to `size`."""
     image = Image.fromarray(np.ascontiguousarray(values.numpy(), np.float32))
     return np.asarray(image.resize(size, Image.Resampling.BOX), np.float32)
-
-
-def _pixels(planes: Tensor) -> Bytes:
-    return np.ascontiguousarray((planes * 255).round().to(torch.uint8).permute(1, 2, 0).numpy())
 
 
 def _tinted(pixels: Bytes, share: npt.NDArray[np.float32]) -> Bytes:
@@ -197,10 +177,3 @@ def _tinted(pixels: Bytes, share: npt.NDArray[np.float32]) -> Bytes:
     moving = np.array(MOVING_COLOUR) * (0.4 + 0.6 * grey / 255)
     weight = share[..., None]
     return np.asarray(np.rint(np.clip((1 - weight) * still + weight * moving, 0, 255)), np.uint8)
-
-
-def _data_uri(pixels: Bytes, quality: int = _JPEG_QUALITY) -> str:
-    """Return a JPEG without colour subsampling, which would smear the maps."""
-    file = io.BytesIO()
-    Image.fromarray(pixels).save(file, "JPEG", quality=quality, subsampling=0, optimize=True)
-    return "data:image/jpeg;base64," + base64.b64encode(file.getvalue()).decode()

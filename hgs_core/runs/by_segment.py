@@ -30,7 +30,8 @@ _SETTINGS = "settings.json"  # encoding settings of the first segment, for all
 
 def segment_count(run: Path) -> int:
     """Return the number of segments of a run with a prepared capture."""
-    return len(_segments(RunFolder(run).read_spec())[0])
+    folder = RunFolder(run)
+    return len(_segments(folder, folder.read_spec())[0])
 
 
 def made(run: Path, number: int) -> bool:
@@ -48,29 +49,17 @@ def make_segment(run: Path, number: int, progress: ProgressCallback) -> None:
     """
     if made(run, number):
         return
-    from hgs_core.decompose.masks import MotionMasks
-    from hgs_core.points.near_plane import with_near_planes
-    from hgs_core.points.point_cloud import PointCloud
-    from hgs_core.train.capture_training import TrainingInputs, segment_trainer
+    from hgs_core.runs.training_inputs import training_inputs
+    from hgs_core.train.capture_training import in_iterations, segment_trainer
     from hgs_core.train.checkpoint import load_state
 
     folder = RunFolder(run)
     spec = folder.read_spec()
-    segments, capture = _segments(spec)
-    config, points = spec.config, PointCloud.load(folder.points)
-    cameras = with_near_planes(capture.cameras, points.xyz)
-    inputs = TrainingInputs(
-        capture,
-        {i: cameras[i] for i in config.capture.training_cameras(capture)},
-        config.train,
-        config.seed,
-        points,
-        capture.frames_in(config.points.interval),
-        MotionMasks.load(folder.masks, capture),
-    )
+    segments, capture = _segments(folder, spec)
+    inputs = training_inputs(folder, capture, spec.config)
     first = load_state(folder.checkpoint(0)) if number else None
     trainer = segment_trainer(inputs, segments[number], folder.checkpoint(number), first)
-    scene = trainer.run(progress)
+    scene = trainer.run(lambda step: progress(in_iterations(step, spec.config.train)))
     _encode(folder, spec, scene, segments, number)
 
 
@@ -81,36 +70,34 @@ def assemble(run: Path, training: Mapping[str, Any] | None = None) -> int:
     time.
     """
     folder = RunFolder(run)
-    parts: list[Manifest] = []
-    while made(run, len(parts)):
-        parts.append(load_manifest(folder.segment(len(parts))))
-    if not parts:
-        return 0
-    first, manifest = parts[0], _joined(parts)
-    live = None if training is not None else len(parts)
-    told = dict(first.training) | dict(training or {})
-    manifest = dataclasses.replace(manifest, live=live, training=told)
-    text = json.dumps(manifest.to_json(), allow_nan=False, separators=(",", ":")).encode()
-    if folder.manifest.exists() and folder.manifest.read_bytes() == text:
-        return len(parts)
-    for number, part in enumerate(parts):
+    shown = json.loads(folder.manifest.read_bytes()) if folder.manifest.exists() else None
+    before = count = 0 if shown is None else len(shown["segments"])
+    while made(run, count):
+        part = load_manifest(folder.segment(count))
+        shown = part.to_json() if shown is None else _grown(shown, part, count)
         for name in stored_sizes(part):
             if not (folder.scene / CHUNKS / name).exists():
-                write_bytes(folder.scene / CHUNKS / name, (folder.segment(number) / CHUNKS / name).read_bytes())
-    if first.thumbnail and not folder.thumbnail.exists():
-        write_bytes(folder.thumbnail, (folder.segment(0) / THUMBNAIL).read_bytes())
-    write_bytes(folder.manifest, text)
-    return len(parts)
+                write_bytes(folder.scene / CHUNKS / name, (folder.segment(count) / CHUNKS / name).read_bytes())
+        if part.thumbnail and not folder.thumbnail.exists():
+            write_bytes(folder.thumbnail, (folder.segment(count) / THUMBNAIL).read_bytes())
+        count += 1
+    if shown is None or (training is None and count == before):
+        return count
+    if training is None:
+        shown["live"] = count
+    else:
+        shown.pop("live", None)
+        shown["training"] |= training
+    write_bytes(folder.manifest, json.dumps(shown, allow_nan=False, separators=(",", ":")).encode())
+    return count
 
 
 def finish(run: Path, progress: ProgressCallback) -> None:
     """Write scene.npz, the whole manifest and train.json, once all segments are made."""
     from hgs_core.runs.training import told_of_training, train_run
-    from hgs_core.scene.files import save_scene
 
     folder = RunFolder(run)
-    scene, summary = train_run(folder, progress)
-    save_scene(folder.trained, scene)
+    summary = train_run(folder, progress)
     assemble(run, told_of_training(summary))
     write_bytes(folder.train_summary, json.dumps(summary, indent=1).encode())
 
@@ -132,10 +119,10 @@ def part_of_all(progress: ProgressCallback, before: int, count: int) -> Progress
     )
 
 
-def _segments(spec: RunSpec) -> tuple[list[CaptureSegment], Any]:
+def _segments(folder: RunFolder, spec: RunSpec) -> tuple[list[CaptureSegment], Any]:
     from hgs_core.train.segment_cuts import cut_into_segments
 
-    capture = spec.open_capture(cache_bytes=spec.config.capture.cache_bytes)
+    capture = folder.open_capture(spec)
     return list(cut_into_segments(capture.times, spec.config.train.segment_frames)), capture
 
 
@@ -199,13 +186,12 @@ def _encode(
     )
 
 
-def _joined(parts: list[Manifest]) -> Manifest:
-    """Return the first manifest with the segments of the others behind its own."""
-    slices = [dataclasses.replace(piece, segment=number) for number, part in enumerate(parts) for piece in part.slices]
-    return dataclasses.replace(
-        parts[0],
-        end=parts[-1].end,
-        segments=tuple(part.segments[0] for part in parts),
-        slices=tuple(slices),
-        version=max(part.version for part in parts),
-    )
+def _grown(shown: dict[str, Any], part: Manifest, number: int) -> dict[str, Any]:
+    """Put segment `number` behind the others, in place, and return the document of the manifest."""
+    new = part.to_json()
+    shown["version"], shown["end"] = max(shown["version"], part.version), part.end
+    shown["segments"] += new["segments"][:1]
+    shown["slices"] += [piece | {"segment": number} for piece in new["slices"]]
+    for name in ("splats_dynamic", "bytes_dynamic"):
+        shown["totals"][name] += new["totals"][name]
+    return shown

@@ -17,6 +17,8 @@ from hgs_core.capture.capture import Capture
 from hgs_core.capture.held_out import AUTO, with_held_out
 from hgs_core.capture.open import open_capture
 from hgs_core.capture.pictures.video import VideoReader
+from hgs_core.capture.pictures.video_index import indexed_packets
+from hgs_core.runs.require_room import require_room_for
 from hgs_core.runs.run_config import RunConfig
 from hgs_core.runs.run_folder import RunFolder, RunSpec
 
@@ -77,6 +79,9 @@ def create_run(
         audio=audio,
     )
     folder.write_spec(spec)
+    for source in sources:
+        if source is not None:
+            indexed_packets(source[0], folder.videos)  # packets in memory, written for other processes
     for note in opened.notes:
         log.warning("%s: %s", capture, note)
     return config
@@ -133,3 +138,5 @@ def prepare(run: Path, progress: ProgressCallback) -> None:
         for note in opened.notes:
             log.warning("%s: %s", spec.capture, note)
     folder.replace_spec(dataclasses.replace(spec, fingerprint=opened.fingerprint(), config=config))
+    if not spec.fingerprint:  # otherwise it was looked at before anything was done
+        log.info("%s %s", spec.capture, require_room_for(folder, opened, config).sentence())

@@ -8,12 +8,11 @@ import torch
 
 from hgs_core.base.arrays import Floats
 from hgs_core.base.errors import InputError
-from hgs_core.decompose.masks import MotionMasks
 from hgs_core.fit.encoding_views import EncodeViews, views_around
-from hgs_core.points.near_plane import with_near_planes
-from hgs_core.points.point_cloud import PointCloud
+from hgs_core.points.near_plane import load_near_planes
 from hgs_core.runs.kept_views import KeptViews
 from hgs_core.runs.run_folder import RunFolder, RunSpec
+from hgs_core.runs.training_inputs import masks_of_run
 from hgs_core.scene.files import load_scene
 from hgs_core.scene.splats import HybridScene
 from hgs_core.train.checkpoint import TrainState, load_state
@@ -35,16 +34,16 @@ def views_of_run(folder: RunFolder, spec: RunSpec, scene: HybridScene[Floats]) -
     """Return the views of a run: its capture's, those an edited one took over, or those around an imported scene.
 
     Raises:
-        InputError: the capture is gone or has changed, the run's points are missing, or its masks are unreadable.
+        InputError: the capture is gone or has changed, the run's near planes are missing, or its masks are unreadable.
     """
     if spec.edited:
         return KeptViews.load(folder.views).of(scene)
     if spec.without_capture:
         return views_around(scene, spec.capture.stem)
-    capture = spec.open_capture(cache_bytes=spec.config.capture.cache_bytes)
-    cameras = with_near_planes(capture.cameras, PointCloud.load(folder.points).xyz)
+    capture = folder.open_capture(spec)
+    cameras = load_near_planes(folder.near_planes, capture.cameras)
     trained = {i: cameras[i] for i in spec.config.capture.training_cameras(capture)}
-    masks = MotionMasks.load(folder.masks, capture) if folder.masks.exists() else None
+    masks = masks_of_run(folder, capture, spec.config) if folder.masks.is_dir() else None
     return EncodeViews(
         capture.name,
         cameras,

@@ -6,6 +6,7 @@ This module is light, as `hgs_core.runs.stages` is: torch is loaded when a scene
 from __future__ import annotations
 
 import json
+import shutil
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -35,10 +36,15 @@ class Encoded:
 
 @interruptible()
 def encode(run: Path, progress: ProgressCallback) -> None:
-    """Encode scene.npz into the scene folder: chunks, thumbnail, and the manifest last."""
+    """Encode scene.npz into the scene folder: chunks, thumbnail, and the manifest last.
+
+    The decoded pictures on disk are removed then, unless the config keeps them.
+    """
     folder = RunFolder(run)
     if not folder.manifest.exists():
         encode_again(run, None, progress)
+    if not folder.read_spec().config.capture.keep_pictures:
+        shutil.rmtree(folder.pictures, ignore_errors=True)
 
 
 def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, fine_tune: int | None = None) -> Encoded:

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hgs_core.base.atomic import write_bytes
 from hgs_core.base.errors import InputError
@@ -23,14 +22,13 @@ from hgs_core.interchange.changes import Action, Change, nonzero
 from hgs_core.interchange.import_scene import USUAL_DURATION, USUAL_FRAME_RATE, Imported, import_scene
 from hgs_core.interchange.ply.ply_sequence import frame_files
 from hgs_core.interchange.sog_file import META
-from hgs_core.points.point_cloud import PointCloud
+from hgs_core.points.near_plane import save_near_planes, with_near_planes
 from hgs_core.runs.creation import create_run
 from hgs_core.runs.encoding import encode
 from hgs_core.runs.photographed_errors import photographed_errors
 from hgs_core.runs.run_config import RunConfig
 from hgs_core.runs.run_folder import RunFolder, RunSpec
 from hgs_core.scene.files import save_scene
-from hgs_core.scene.splats import HybridScene
 
 __all__ = ["ImportedRun", "import_run"]
 
@@ -152,22 +150,9 @@ def _parts(file: Path) -> list[Path]:
 
 
 def _write(folder: RunFolder, file: Path, imported: Imported) -> None:
-    _points(imported.scene).save(folder.points)
-    save_scene(folder.trained, imported.scene)
+    spec, scene = folder.read_spec(), imported.scene
+    if not spec.without_capture:
+        centres = np.concatenate([scene.static.means, *(part.dynamic.motion[:, 0] for part in scene.segments)])
+        save_near_planes(folder.near_planes, with_near_planes(folder.open_capture(spec).cameras, centres))
+    save_scene(folder.trained, scene)
     write_bytes(folder.train_summary, json.dumps({"seconds": 0.0, "imported": file.name}, indent=1).encode())
-
-
-def _points(scene: HybridScene[NDArray[np.float32]]) -> PointCloud:
-    """Return the splats' centres as points: near planes are measured on them."""
-    xyz = np.concatenate([scene.static.means, *(part.dynamic.motion[:, 0] for part in scene.segments)])
-    moving = np.arange(len(xyz)) >= len(scene.static)
-    sizes = [scene.static.log_scales, *(part.dynamic.log_scales for part in scene.segments)]
-    spacing = np.maximum(np.exp(np.concatenate(sizes)).mean(axis=1), 1e-9)
-    rgb = np.concatenate([scene.static.rgb, *(part.dynamic.rgb for part in scene.segments)])
-    return PointCloud.at_rest(
-        xyz,
-        np.clip(rgb, 0, 1),
-        np.full(len(xyz), scene.start, np.float32),
-        moving.astype(np.float32),
-        spacing.astype(np.float32),
-    )

@@ -19,7 +19,7 @@ from pathlib import Path
 __all__ = ["LeaseHeldError", "lease"]
 
 BEAT = 2.0  # seconds between two signs of life
-SILENCE = 20.0  # seconds without one after which a holder on another machine counts as dead
+HOLDER_SILENCE = 20.0  # seconds without one after which a holder on another machine counts as dead
 
 _NAME = "run.lease."
 
@@ -97,7 +97,7 @@ def _require_dead(path: Path, now: float) -> None:
     if len(words) == 3 and words[0] == _machine() and words[1].isdecimal():
         if _start(int(words[1])) == words[2] != "":
             raise LeaseHeldError(f"process {words[1]} works on it")
-    elif abs(now - date) < SILENCE:
+    elif abs(now - date) < HOLDER_SILENCE:
         raise LeaseHeldError("a process of another machine works on it")
 
 

@@ -25,6 +25,7 @@ from hgs_core.runs.run_folder import RunSpec
 
 __all__ = ["prepared_capture"]
 
+_MEMORY = 1 << 28  # bytes of decoded pictures; hardly any is looked at twice
 _IN_STEP = 0.5  # frames: what cameras may be apart and still be called in step; motion tells no better
 _SOUND_IN_STEP = 0.03  # seconds, ten metres of sound: less may be where the cameras stand, and not when they began
 
@@ -78,7 +79,7 @@ def _holds_any(folder: Path) -> bool:
 
 
 def _of_posed(spec: RunSpec, found: Path | None, by: str, progress: ProgressCallback) -> Starts | None:
-    capture = open_capture(spec.capture, found=found)
+    capture = open_capture(spec.capture, found=found, cache_bytes=_MEMORY)
     if not capture.unaligned:
         return None
     names, frames = [camera.name for camera in capture.cameras], len(capture.times)

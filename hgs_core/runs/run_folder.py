@@ -41,8 +41,8 @@ class RunSpec:
     edited: bool = False  # then without a capture
     audio: str = "auto"  # the sound: of the capture, "camera:" and a name, "none", or a file
 
-    def open_capture(self, *, cache_bytes: int = 1 << 30) -> Capture:
-        """Open the capture as the run sees it: with its masks and at its resolution.
+    def open_capture(self, *, cache_bytes: int = 1 << 30, index: Path | None = None) -> Capture:
+        """Open the capture as the run sees it: with its masks and at its resolution; `index` as `open_capture` has it.
 
         Raises:
             InputError: as `hgs_core.capture.open.open_capture`, or the files are not those the run began with, or the
@@ -66,6 +66,7 @@ class RunSpec:
             reductions=reduced.reductions,
             cache_bytes=cache_bytes,
             found=self.found,
+            index=index,
         )
         self.check_unchanged(capture)
         return capture
@@ -95,9 +96,13 @@ class RunFolder:
         self.path = path
         self.spec = path / "run.json"
         self.check = path / "check.json"
+        self.need = path / "need.json"  # memory, disk and time that the training needs
         self.found = path / "found"  # cameras and sync.json, where the capture's folder cannot be written
-        self.points = path / "points.npz"
-        self.masks = path / "masks.npz"
+        self.pictures = path / ".pictures"  # decoded ones of a large capture, made anew where they are missing
+        self.videos = path / ".videos"  # time stamps of the videos, made anew where they are missing
+        self.points = path / "points"  # first points (hgs_core/points/kept_points.py)
+        self.near_planes = self.points / "near.json"  # last file of the stage `initialise`
+        self.masks = path / "masks"  # automatic ones, a file for each segment
         self.views = path / "views.json"  # cameras and clock of an edited scene
         self.trained = path / "scene.npz"
         self.train_summary = path / "train.json"
@@ -114,6 +119,16 @@ class RunFolder:
     def segment(self, number: int) -> Path:
         """Return the folder of a segment that is encoded by itself."""
         return self.path / "segments" / str(number)
+
+    def open_capture(self, spec: RunSpec) -> Capture:
+        """Open the capture of a run, with the memory and disk of its config for decoded pictures.
+
+        Raises:
+            InputError: as `RunSpec.open_capture`, or the run's folder cannot be read.
+        """
+        capture = spec.open_capture(cache_bytes=spec.config.capture.cache_bytes, index=self.videos)
+        capture.keep_on_disk(self.pictures, spec.config.capture.disk_bytes)
+        return capture
 
     def write_spec(self, spec: RunSpec) -> None:
         """Create the folder and its run.json.

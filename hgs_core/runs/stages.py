@@ -13,16 +13,30 @@ from pathlib import Path
 from types import ModuleType
 
 from hgs_core.base.atomic import write_bytes
+from hgs_core.base.errors import InputError
 from hgs_core.base.heap import trim_heap
 from hgs_core.base.progress import ProgressCallback, interruptible, silent
 from hgs_core.capture.capture import Capture
 from hgs_core.check.findings import CaptureCheck
 from hgs_core.runs.creation import create_run, prepare
 from hgs_core.runs.encoding import encode
+from hgs_core.runs.require_room import require_room
 from hgs_core.runs.run_config import RunConfig
 from hgs_core.runs.run_folder import RunFolder
+from hgs_core.runs.training_need import TrainingNeed
 
-__all__ = ["STAGES", "check", "create_run", "encode", "initialise", "prepare", "segments_of", "train", "train_scene"]
+__all__ = [
+    "STAGES",
+    "check",
+    "create_run",
+    "encode",
+    "initialise",
+    "prepare",
+    "require_room",
+    "segments_of",
+    "train",
+    "train_scene",
+]
 
 log = logging.getLogger(__name__)
 
@@ -40,14 +54,14 @@ def check(run: Path, progress: ProgressCallback) -> None:
     from hgs_core.check.require_sound_capture import require_sound
 
     folder = RunFolder(run)
-    if folder.points.exists():
+    if folder.near_planes.exists():
         return
     prepare(run, progress)
     spec = folder.read_spec()
     if folder.check.exists():
         result = CaptureCheck.load(folder.check)
     else:
-        result = check_capture(spec.open_capture(), progress)
+        result = check_capture(folder.open_capture(spec), progress)
         result.save(folder.check)
         for finding in result.findings:
             log.info("%s: %s", spec.capture, finding.sentence())
@@ -57,42 +71,48 @@ def check(run: Path, progress: ProgressCallback) -> None:
 
 @interruptible()
 def initialise(run: Path, progress: ProgressCallback) -> None:
-    """Find motion masks and first points: masks.npz, which is kept if it is there, and points.npz.
+    """Find motion masks and first points, of which a segment's are kept if they are there.
 
-    The capture is checked first.
+    The capture is checked first; the last file is points/near.json.
     """
-    from hgs_core.decompose.masks import MotionMasks, motion_masks
-    from hgs_core.points.initial_points import initial_points
+    from hgs_core.decompose.masks import kept_masks
+    from hgs_core.points.far_apart import angle_to_next, stand_far_apart
+    from hgs_core.points.hull_search import HullSearch
+    from hgs_core.points.initial_points import PointSearch
+    from hgs_core.points.kept_points import keep_points
+    from hgs_core.runs.training_inputs import segment_starts
     from hgs_core.train.segment_cuts import cut_into_segments
 
     folder = RunFolder(run)
-    if folder.points.exists():
+    if folder.near_planes.exists():
         return
     check(run, progress)
     capture, config = _open(folder)
     cameras = config.capture.training_cameras(capture)
-    if folder.masks.exists():  # left by a stopped stage, or put there to be used
-        masks = MotionMasks.load(folder.masks, capture)
-    else:
-        masks = motion_masks(capture, cameras, progress=progress)
-        masks.save(folder.masks)
+    capture.hold(cameras, range(len(capture.times)), progress)
+    masks = kept_masks(folder.masks, capture, cameras, segment_starts(capture, config), progress=progress)
     every = capture.frames_in(config.points.interval)
-    segments = cut_into_segments(capture.times, config.train.segment_frames)
-    moments = sorted({frame for segment in segments for frame in segment.sampled(every)})
-    points = initial_points(
+    views = [capture.cameras[index] for index in cameras]
+    far_apart = config.points.hull and stand_far_apart(views)
+    if far_apart:
+        log.info(
+            "%s: the cameras stand %.0f degrees apart: what moves is trained by its silhouettes, the rest on one"
+            " surface around it (docs/training.md)",
+            run,
+            angle_to_next(views),
+        )
+    search = (HullSearch if far_apart else PointSearch)(
         capture,
         cameras,
         masks,
-        moments=moments,
         static_target=config.points.static,
         dynamic_target=config.points.dynamic_in(capture.seconds),
         stereo=config.points.stereo,
         continued=config.points.continued,
         normals=config.points.discs,
-        seed=config.seed,
-        progress=progress,
     )
-    points.save(folder.points)
+    moments = [segment.sampled(every) for segment in cut_into_segments(capture.times, config.train.segment_frames)]
+    keep_points(folder.points, search, moments, seed=config.seed, progress=progress)
 
 
 def train(run: Path, progress: ProgressCallback) -> None:
@@ -102,7 +122,6 @@ def train(run: Path, progress: ProgressCallback) -> None:
     """
     from hgs_core.runs.by_segment import train_by_segment
     from hgs_core.runs.training import train_run
-    from hgs_core.scene.files import save_scene
 
     folder = RunFolder(run)
     if folder.train_summary.exists():
@@ -110,8 +129,7 @@ def train(run: Path, progress: ProgressCallback) -> None:
     if folder.read_spec().config.encode.by_segment:
         train_by_segment(run, progress)
         return
-    scene, summary = train_run(folder, progress)
-    save_scene(folder.trained, scene)
+    summary = train_run(folder, progress)
     write_bytes(folder.train_summary, json.dumps(summary, indent=1).encode())
 
 
@@ -143,6 +161,7 @@ def train_scene(
     audio: str = "auto",
     progress: ProgressCallback = silent,
     checked: Callable[[CaptureCheck], None] = lambda result: None,
+    needed: Callable[[TrainingNeed], None] = lambda need: None,
 ) -> Path:
     """Train a capture and encode the scene; calling it again resumes from the last checkpoint, to the same bits.
 
@@ -156,13 +175,14 @@ def train_scene(
             "none", or a file with sound.
         progress: called after every step of a stage; it may raise `StageStopped` to stop.
         checked: called with what the check of the capture found, also if that stops the run.
+        needed: called with the need of the run, before any work if the capture has its cameras.
 
     Returns:
         `out`. The trained splats are in `out`/scene.npz, the encoded scene is the folder `out`/scene.
 
     Raises:
         InputError: the capture is unusable, its poses do not fit its pictures, a held-out camera is unknown, the folder
-            is taken, or another process works on the run.
+            is taken, another process works on the run, or there is less memory or disk than the run needs.
         StageStopped: `progress` raised it; what was done so far is kept.
 
     Example:
@@ -173,8 +193,17 @@ def train_scene(
         >>> sorted(path.name for path in (run / "scene").iterdir())
         ['chunks', 'manifest.json', 'thumbnail.jpg']
     """
+    new = not RunFolder(out).spec.exists()
     create_run(out, capture, config or RunConfig(), masks=masks, audio=audio)
+    try:
+        need = require_room(out)
+    except InputError:
+        if new:  # so that the cure can be tried in the same place
+            RunFolder(out).spec.unlink()
+        raise
     with RunFolder(out).exclusive():
+        if need is not None:
+            needed(need)
         for name, stage in STAGES.items():
             try:
                 stage(out, progress)
@@ -182,9 +211,11 @@ def train_scene(
             finally:
                 if name == "check" and RunFolder(out).check.exists():
                     checked(CaptureCheck.load(RunFolder(out).check))
+            if name == "prepare" and need is None and (need := TrainingNeed.load(RunFolder(out).need)) is not None:
+                needed(need)
     return out
 
 
 def _open(folder: RunFolder) -> tuple[Capture, RunConfig]:
     spec = folder.read_spec()
-    return spec.open_capture(cache_bytes=spec.config.capture.cache_bytes), spec.config
+    return folder.open_capture(spec), spec.config

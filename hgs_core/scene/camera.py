@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,7 +12,10 @@ import numpy.typing as npt
 
 from hgs_core.base.errors import InputError
 
-__all__ = ["Camera", "looking_at"]
+__all__ = ["FAR_APART", "Camera", "looking_at", "neighbour_angle"]
+
+FAR_APART = math.radians(40)
+"""Median angle to the next camera, from which on each alone sees its side of a subject: features are lost near 30."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,6 +92,33 @@ class Camera:
             pixels = local[:2] / depth * ((self.fx,), (self.fy,)) + ((self.cx,), (self.cy,))
         return pixels.T, depth
 
+    def shows(
+        self,
+        pixels: npt.NDArray[np.floating[Any]],
+        depths: npt.NDArray[np.floating[Any]],
+        *,
+        beyond: float | None = None,
+        beside: float = 0.0,
+    ) -> npt.NDArray[np.bool_]:
+        """Return which projected points [N] lie in the picture.
+
+        Args:
+            pixels: [N, 2] of `project`.
+            depths: [N] of `project`.
+            beyond: depth that a point must exceed, world units; default: the near plane.
+            beside: share of the picture's sides, around the picture, in which points count as well.
+        """
+        column, row = pixels.T
+        across, down = beside * self.width, beside * self.height
+        with np.errstate(invalid="ignore"):
+            return np.asarray(
+                (depths > (self.near if beyond is None else beyond))
+                & (column >= -across)
+                & (column < self.width + across)
+                & (row >= -down)
+                & (row < self.height + down)
+            )
+
     def rays(self, pixels: npt.NDArray[np.floating[Any]]) -> npt.NDArray[np.float64]:
         """Return the vectors [N, 3], in the world, from the camera centre to unit depth behind pixels [N, 2]."""
         local = (np.asarray(pixels, np.float64) - (self.cx, self.cy)) / (self.fx, self.fy)
@@ -161,3 +192,13 @@ def looking_at(
     ]
     pose[:3, 3] = -pose[:3, :3] @ place
     return pose
+
+
+def neighbour_angle(directions: npt.NDArray[np.float64]) -> float:
+    """Return the median angle from a direction [N, 3] to the nearest other one, radians; 0 for a single direction."""
+    if len(directions) < 2:
+        return 0.0
+    cosines = directions @ directions.T
+    np.fill_diagonal(cosines, -1)
+    angles = np.arccos(np.clip(cosines.max(axis=1), -1, 1))
+    return float(np.median(angles))

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import zipfile
 import zlib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, cast
 
@@ -23,7 +23,7 @@ from hgs_core.base.errors import InputError
 from hgs_core.scene.motion import COEFFICIENTS
 from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSplats
 
-__all__ = ["load_scene", "save_scene"]
+__all__ = ["load_scene", "save_scene", "save_scene_by_segment"]
 
 FORMAT = 1
 
@@ -42,19 +42,38 @@ def save_scene(path: Path, scene: HybridScene[Floats]) -> None:
         >>> len(hgs.load_scene(Path("decoded.npz")).static) == len(scene.static)
         True
     """
+    save_scene_by_segment(path, scene, (segment.dynamic for segment in scene.segments))
+
+
+def save_scene_by_segment(path: Path, scene: HybridScene[Floats], dynamics: Iterable[DynamicSplats[Floats]]) -> None:
+    """Write the file of `save_scene` with other dynamic splats, one set for each segment, held one at a time.
+
+    Raises:
+        OSError: the folder cannot be written.
+    """
     entries: dict[str, NDArray[Any]] = {
         "format": np.array(FORMAT, np.int64),
         "segments": np.array([(s.start, s.end) for s in scene.segments], np.float64).reshape(-1, 2),
         "background": np.array(scene.background, np.float64),
         "antialiased": np.array(scene.antialiased),
     }
-    sets: list[tuple[str, StaticSplats[Floats] | DynamicSplats[Floats]]] = [("static", scene.static)]
-    sets += [(f"segment{i}", segment.dynamic) for i, segment in enumerate(scene.segments)]
-    for prefix, splats in sets:
-        for name, array in splats.items():
-            entries[f"{prefix}.{name}"] = np.asarray(array, np.float32)
-    with replacing(path) as file:
-        np.savez(cast(Any, file), **cast(Any, entries))
+    with replacing(path) as file, zipfile.ZipFile(file, "w") as archive:
+        for name, array in entries.items():
+            _write(archive, name, array)
+        _write_set(archive, "static", scene.static)
+        for i, (_, dynamic) in enumerate(zip(scene.segments, dynamics, strict=True)):
+            _write_set(archive, f"segment{i}", dynamic)
+
+
+def _write_set(archive: zipfile.ZipFile, prefix: str, splats: StaticSplats[Floats] | DynamicSplats[Floats]) -> None:
+    for name, array in splats.items():
+        _write(archive, f"{prefix}.{name}", np.asarray(array, np.float32))
+
+
+def _write(archive: zipfile.ZipFile, name: str, array: NDArray[Any]) -> None:
+    """Write an array as numpy.savez does."""
+    with archive.open(f"{name}.npy", "w", force_zip64=True) as entry:
+        np.lib.format.write_array(cast(Any, entry), array, allow_pickle=False)
 
 
 def load_scene(path: Path) -> HybridScene[Floats]:

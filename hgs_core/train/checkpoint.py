@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import pickle
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
@@ -43,6 +44,12 @@ class TrainState:
     history: TrainingHistory
     static_mean: ParameterMean[StaticSplats[Tensor]] = field(default_factory=ParameterMean)
     dynamic_mean: ParameterMean[DynamicSplats[Tensor]] = field(default_factory=ParameterMean)
+
+    def figures(self) -> dict[str, float]:
+        """Return the figures worth watching."""
+        figures = {"static": float(len(self.static)), "dynamic": float(len(self.dynamic))}
+        psnr, loss = self.history.psnr, self.history.loss
+        return figures if math.isnan(psnr) else figures | {"psnr": psnr, "loss": loss}
 
     def to(self, device: torch.device) -> None:
         """Move everything that steps touch to a device."""

@@ -17,6 +17,7 @@ from hgs_core.base.progress import Progress, ProgressCallback, StageStopped, int
 from hgs_core.capture.capture import Capture
 from hgs_core.decompose.masks import MotionMasks
 from hgs_core.metrics.psnr import decibels
+from hgs_core.points.backdrop import Backdrop
 from hgs_core.render.backends import training_device
 from hgs_core.render.threads import one_torch_thread
 from hgs_core.render.tiles import tiles_of_dynamic
@@ -38,6 +39,7 @@ __all__ = ["Trainer"]
 _HOST = torch.device("cpu")
 _REPORT_EVERY = 10  # iterations
 _LONGEST_SILENCE = 1.0  # seconds between two reports, each of which may stop the training
+_LONGEST_APART = 6.0  # most elongation where no second camera sees the length of a needle
 _SHORTEST_LIFE = 0.5  # frames at which the opacity of the briefest splat has halved
 
 
@@ -52,6 +54,7 @@ class Trainer:
         segment: the frames to train on.
         start: first splats, ignored when `checkpoint` exists.
         checkpoint: where the state is kept.
+        backdrop: the surface that statics lie on where cameras stand far apart; None: they lie anywhere.
         masks: what moves; without them no splats are born, and stages cannot be `separate`.
         after: the state of a finished segment whose statics and colour maps are taken over and stay as they are; None:
             this segment trains them.
@@ -68,6 +71,7 @@ class Trainer:
         checkpoint: Path,
         *,
         masks: MotionMasks | None = None,
+        backdrop: Backdrop | None = None,
         after: TrainState | None = None,
     ) -> None:
         self.config, self.seed, self.checkpoint, self.segment = config, seed, checkpoint, segment
@@ -76,7 +80,8 @@ class Trainer:
         self.views = TrainingViews(capture, cameras, config, segment, masks, seed, self.device)
         extent = scene_extent(np.array([camera.position for camera in self.views.cameras]))
         self.schedule = Schedule(config, extent, segment.frames, segment.seconds)
-        self.rounds = rounds(config, masked=self.views.masked, statics_learn=self.statics_learn)
+        self.backdrop = backdrop if masks is not None else None
+        self.rounds = rounds(config, masked=self.views.masked, statics_learn=self.statics_learn, backdrop=self.backdrop)
         if after is not None:
             start = (after.static, start[1])
         self.first_counts = (len(start[0]), len(start[1]))
@@ -85,6 +90,7 @@ class Trainer:
         )
         if after is not None:
             self.state.correction = after.correction
+        self._told = 0.0  # time of the last report, seconds
         self._torn = False  # true while a long round changes the state; the last checkpoint counts then
         self._constrain()  # colours far out of range would leave moments that stop the optimiser for long
 
@@ -94,11 +100,13 @@ class Trainer:
         Raises:
             StageStopped: the callback asked to stop, or a long round was interrupted; the state was saved first.
         """
-        told = time.monotonic()
-        started, before, state = time.monotonic(), self.state.seconds, self.state
+        self._told = started = time.monotonic()
+        before, begun, state = self.state.seconds, self.state.iteration, self.state
         try:
             with one_torch_thread(), self._on(self.device):
                 while state.iteration < self.config.iterations:
+                    with state.history.timed("frames"):
+                        self.views.hold(state.iteration, lambda _: self._report(progress))
                     self._iteration(state.iteration)
                     state.iteration += 1
                     self._average()
@@ -108,15 +116,20 @@ class Trainer:
                     due = state.iteration % _REPORT_EVERY == 0 or state.iteration == self.config.iterations
                     if due:
                         state.history.report(state.iteration, state.seconds, len(state.static), len(state.dynamic))
-                    if due or time.monotonic() - told > _LONGEST_SILENCE:
-                        told = time.monotonic()
-                        progress(Progress("train", state.iteration, self.config.iterations, self.figures()))
+                    self._report(progress, due=due)
         except StageStopped:
             if not self._torn:
                 save_state(self.checkpoint, state)
             raise
-        save_state(self.checkpoint, state)
+        if state.iteration > begun:
+            save_state(self.checkpoint, state)
         return self.scene()
+
+    def _report(self, progress: ProgressCallback, *, due: bool = False) -> None:
+        """Report the iteration where that is due, or the silence was long."""
+        if due or time.monotonic() - self._told > _LONGEST_SILENCE:
+            self._told = time.monotonic()
+            progress(Progress("train", self.state.iteration, self.config.iterations, self.state.figures()))
 
     @contextmanager
     def _on(self, device: torch.device) -> Iterator[None]:
@@ -127,12 +140,6 @@ class Trainer:
             yield
         finally:
             self.state.to(before)
-
-    def figures(self) -> dict[str, float]:
-        """Return the figures worth watching."""
-        figures = {"static": float(len(self.state.static)), "dynamic": float(len(self.state.dynamic))}
-        psnr, loss = self.state.history.psnr, self.state.history.loss
-        return figures if math.isnan(psnr) else figures | {"psnr": psnr, "loss": loss}
 
     def scene(self) -> HybridScene[npt.NDArray[np.float32]]:
         """Return a copy of the splats as they are now."""
@@ -147,8 +154,12 @@ class Trainer:
         if saved:  # whoever stops the training in such a round goes on with the whole iteration
             save_state(self.checkpoint, state)
         with timed("frames"):
-            view = self.views.of_iteration(iteration, self.schedule.resolution(iteration))
-        if config.stages == "together" and self.statics_learn:
+            apart = config.stages == "separate" or self.backdrop is not None
+            view = self.views.of_iteration(iteration, self.schedule.resolution(iteration), masked=apart)
+        if self.backdrop is not None:  # the dynamics take theirs in a round
+            if self.statics_learn:
+                self._learn("static", iteration, view, ignored=view.moving)
+        elif config.stages == "together" and self.statics_learn:
             self._learn("all", iteration, view)
         else:
             if len(state.static) and self.statics_learn:
@@ -243,9 +254,12 @@ class Trainer:
         self.state.static.rgb.clamp_(0, 1)
         self.state.dynamic.rgb.clamp_(0, 1)
         self.state.dynamic.time_log_precisions.clamp_(max=sharpest)
-        _shorten_needles(self.state.dynamic.log_scales, self.config.elongation)
+        longest = self.config.elongation
+        if self.backdrop is not None:
+            longest = min(longest, _LONGEST_APART)
+        _shorten_needles(self.state.dynamic.log_scales, longest)
         if self.statics_learn:
-            _shorten_needles(self.state.static.log_scales, self.config.elongation)
+            _shorten_needles(self.state.static.log_scales, longest)
 
 
 def _shorten_needles(log_scales: Tensor, elongation: float) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +10,8 @@ import numpy.typing as npt
 import torch
 from torch import Tensor
 
+from hgs_core.base.cores import core_pool
+from hgs_core.base.progress import ProgressCallback
 from hgs_core.capture.capture import Capture
 from hgs_core.capture.pictures.picture import reduced_mask
 from hgs_core.decompose.background import sample_frames
@@ -26,6 +28,7 @@ from hgs_core.train.view_schedule import ViewSchedule
 __all__ = ["Instant", "TrainingView", "TrainingViews"]
 
 _CPU = torch.device("cpu")
+_READ_AHEAD = 2  # iterations
 _SAMPLE_SIZE = 0.5  # scale of the pictures for labels and contributions
 
 
@@ -37,7 +40,7 @@ class TrainingView:
     camera: Camera  # camera at the drawn size
     moment: float  # normalised time
     target: Tensor  # [3, H, W]; of a step where it moves its window alone
-    moving: Tensor | None = None  # [H, W] pixels that move; None unless requested
+    moving: Tensor | None = None  # [H, W], or of the window, pixels that move; None unless requested
 
 
 @dataclass(frozen=True)
@@ -73,9 +76,10 @@ class TrainingViews:
         self.cameras = tuple(cameras.values())
         self._tiles: dict[tuple[int, int, float], MovingTiles | None] = {}
         frame_bytes = max(3 * camera.width * camera.height for camera in self.cameras)
-        # The decoder may pass frames that are not in the block: leave them a fifth of the cache.
-        memory = capture.cache_bytes * 4 // 5
-        self.order = ViewSchedule.fitting(self._training, segment.frames, frame_bytes, memory, config.iterations, seed)
+        self.order = ViewSchedule.fitting(
+            self._training, segment.frames, frame_bytes, capture.room, config.iterations, seed
+        )
+        self._block: tuple[int, int] | None = None
 
     @property
     def masked(self) -> bool:
@@ -87,10 +91,27 @@ class TrainingViews:
         assert self._masks is not None
         return [self._masks.mask(index, self._segment.first + frame) for index in self._training]
 
-    def of_iteration(self, iteration: int, size: float) -> TrainingView:
-        """Return the view of an iteration, resized by the factor `size`."""
+    def hold(self, iteration: int, progress: ProgressCallback) -> None:
+        """Have the pictures of an iteration's block at hand, and that of a later one on its way.
+
+        Progress is reported where a block is entered.
+
+        Raises:
+            InputError: a picture is unreadable, or the disk is full.
+            StageStopped: the callback wishes so.
+        """
+        block = self.order.block(iteration)
+        if block != self._block:
+            first, last = (self._segment.first + frame for frame in block)
+            self._capture.hold(self._training, range(first, last), progress)
+            self._block = block
+        ahead = map(self.order.view, (iteration + _READ_AHEAD,))  # not drawn where nothing is on disk
+        self._capture.expect((camera, self._segment.first + frame) for camera, frame in ahead)
+
+    def of_iteration(self, iteration: int, size: float, *, masked: bool = False) -> TrainingView:
+        """Return the view of an iteration, resized by the factor `size`; `masked`: with the mask of its movers."""
         index, frame = self.order.view(iteration)
-        return self._view(self._frames, index, frame, size, masked=self._config.stages == "separate")
+        return self._view(self._frames, index, frame, size, masked=masked)
 
     def where_it_moves(self, iteration: int, count: int, size: float) -> Iterator[tuple[TrainingView, MovingTiles]]:
         """Yield views in which something moves, resized by the factor `size`, with the targets of its windows alone.
@@ -102,6 +123,13 @@ class TrainingViews:
             if tiles is not None:
                 yield self._view(self._frames, index, frame, size, window=tiles.window), tiles
 
+    def silhouettes(self, iteration: int, more: int, size: float) -> Iterator[tuple[TrainingView, MovingTiles]]:
+        """Yield the view of an iteration and `more` others, as `where_it_moves` does, with the masks of the windows."""
+        for index, frame in (self.order.view(iteration), *self.order.more_views(iteration, more)):
+            tiles = self._moving_tiles(index, frame, size)
+            if tiles is not None:
+                yield self._view(self._frames, index, frame, size, masked=True, window=tiles.window), tiles
+
     def _moving_tiles(self, index: int, frame: int, size: float) -> MovingTiles | None:
         key = index, frame, size
         if key not in self._tiles:
@@ -111,14 +139,17 @@ class TrainingViews:
         return self._tiles[key]
 
     def samples(self, iteration: int) -> Iterator[Iterator[TrainingView]]:
-        """Yield views of a few cameras at a few moments, at half size, for the judgement of labels."""
-        for index, frames in self.order.samples(iteration):
-            yield (self._view(self._on_host, index, frame, _SAMPLE_SIZE) for frame in frames)
+        """Yield views of a few cameras at a few moments, at half size, for the judgement of labels.
 
-    def everywhere(self, iteration: int) -> Iterator[list[TrainingView]]:
+        Here and in `everywhere`, the pictures are read as a camera's views are asked for, which several threads may do.
+        """
+        for index, frames in self.order.samples(iteration):
+            yield self._views(index, frames, _SAMPLE_SIZE)
+
+    def everywhere(self, iteration: int) -> Iterator[Iterator[TrainingView]]:
         """Yield, for every training camera, full-size views at a few moments, with motion masks if they are known."""
         for index, frames in self.order.everywhere(iteration):
-            yield [self._view(self._on_host, index, frame, 1.0, self.masked) for frame in frames]
+            yield self._views(index, frames, 1.0, masked=self.masked)
 
     def poses(self, moments: int) -> Iterator[tuple[Camera, list[float]]]:
         """Yield every training camera, at half size, with the same at most `moments` normalised times."""
@@ -138,12 +169,16 @@ class TrainingViews:
         for turn, frame in enumerate(range(int(generator.integers(every)), self._segment.frames, every)):
             groups = same_moments(self._capture, self._training, self._segment.first + frame)
             group = groups[turn % len(groups)]
-            own = list(zip(group.cameras, group.frames, strict=True))
-            pictures = [self._capture.frame(*one) for one in own]
-            moving = [self._masks.mask(*one) for one in own]
+            with core_pool() as pool:
+                pictures = list(pool.map(self._capture.frame, group.cameras, group.frames))
+                moving = list(pool.map(self._masks.mask, group.cameras, group.frames))
             places = tuple(self._places[index] for index in group.cameras)
             moment = self._segment.clock.normalised(group.seconds)
             yield Instant(group.seconds, moment, places, pictures, moving)
+
+    def _views(self, index: int, frames: Sequence[int], size: float, *, masked: bool = False) -> Iterator[TrainingView]:
+        for frame in frames:
+            yield self._view(self._on_host, index, frame, size, masked)
 
     def _view(
         self, frames: DeviceFrames, index: int, frame: int, size: float, masked: bool = False, window: Window = WHOLE
@@ -155,5 +190,7 @@ class TrainingViews:
         moving = None
         if masked:
             assert self._masks is not None, "separate stages need masks"
-            moving = torch.from_numpy(np.array(reduced_mask(self._masks.mask(index, frame), camera))).to(target.device)
+            moving = torch.from_numpy(np.array(reduced_mask(self._masks.mask(index, frame), camera)[window])).to(
+                target.device
+            )
         return TrainingView(self._places[index], camera, moment, target, moving)

@@ -18,7 +18,7 @@ _BLOCK_PASSES = 20  # passes over all blocks in one training: splats drift betwe
 
 @dataclass(frozen=True)
 class ViewSchedule:
-    """Random views, drawn so that the frames in use fit in memory.
+    """Random views, drawn so that the frames in use fit in memory or on disk.
 
     When all frames of the training cameras fit, every iteration draws a camera and a frame at random. Otherwise the
     capture is cut into blocks of consecutive frames that fit, as long as each other (all cameras of a block together).
@@ -45,20 +45,20 @@ class ViewSchedule:
     def view(self, iteration: int) -> tuple[int, int]:
         """Return (camera, frame) of an iteration."""
         random = np.random.default_rng((self.seed, 1, iteration))
-        first, last = self._block(iteration)
+        first, last = self.block(iteration)
         return int(random.choice(self.cameras)), int(random.integers(first, last))
 
     def more_views(self, iteration: int, count: int) -> Iterator[tuple[int, int]]:
         """Yield (camera, frame) of further views, drawn as those of iterations are."""
         random = np.random.default_rng((self.seed, 9, iteration))
-        first, last = self._block(iteration)
+        first, last = self.block(iteration)
         for _ in range(count):
             yield int(random.choice(self.cameras)), int(random.integers(first, last))
 
     def samples(self, iteration: int) -> Iterator[tuple[int, list[int]]]:
         """Yield a few cameras, each with a few frames of the iteration's block, one from each equal part of it."""
         random = np.random.default_rng((self.seed, 4, iteration))
-        first, last = self._block(iteration)
+        first, last = self.block(iteration)
         borders = np.linspace(first, last, min(_SAMPLE_FRAMES, last - first) + 1)
         for camera in random.permutation(self.cameras)[:_SAMPLE_CAMERAS]:
             yield int(camera), [int(random.uniform(a, b)) for a, b in pairwise(borders)]
@@ -66,11 +66,12 @@ class ViewSchedule:
     def everywhere(self, iteration: int) -> Iterator[tuple[int, list[int]]]:
         """Yield all cameras, each with a few frames of the iteration's block."""
         random = np.random.default_rng((self.seed, 7, iteration))
-        first, last = self._block(iteration)
+        first, last = self.block(iteration)
         for camera in self.cameras:
             yield camera, [int(frame) for frame in random.integers(first, last, _INFILL_FRAMES)]
 
-    def _block(self, iteration: int) -> tuple[int, int]:
+    def block(self, iteration: int) -> tuple[int, int]:
+        """Return the frames, from the first to before the last, that an iteration draws from."""
         turn, place = divmod(iteration // self.stay, self.blocks)
         block = int(np.random.default_rng((self.seed, 2, turn)).permutation(self.blocks)[place])
         return self.frames * block // self.blocks, self.frames * (block + 1) // self.blocks

@@ -3,12 +3,15 @@
 Layout: `scenes/<scene id>/manifest.json`, `scenes/<scene id>/thumbnail.jpg` and `chunks/<sha256>`, the chunks shared by
 all scenes. Nothing that was published is ever overwritten, but the manifest of a scene that grows by a later version.
 A scene that was renamed has its new title beside it, in `scenes/<scene id>/title.txt`, and a long one its manifest in
-pages, in `scenes/<scene id>/pages.bin`: made of the manifest, from which a server can make them again.
+pages, in `scenes/<scene id>/pages.bin`. These and `scenes/<scene id>/description.json`, the facts that lists show, are
+made of the manifest, from which a server can make them again.
 """
 
 from __future__ import annotations
 
 import contextlib
+import json
+import logging
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -22,12 +25,16 @@ import obstore
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import ProgressCallback, silent
+from hgs_core.codec.format.manifest_reading import parse_manifest
+from hgs_core.codec.format.paging import PagedScene
 from hgs_core.codec.format.scene_folder import MANIFEST, THUMBNAIL
 from jobs.artifacts.publication import PAGES, Publication
 from jobs.artifacts.publishing_lock import FileStoreLock, PostgresStoreLock, StoreLock
+from jobs.artifacts.scene_description import DESCRIPTION, SceneDescription
 from jobs.home.database import connection_url
 from jobs.home.home import Home
 from jobs.home.object_store import is_folder, open_object_store
+from jobs.home.passing_faults import one_line
 
 if TYPE_CHECKING:
     from obstore import ObjectMeta
@@ -37,9 +44,13 @@ __all__ = ["SCENE_ID", "ArtifactStore", "SceneEntry", "StoredChunk", "open_store
 SCENE_ID = re.compile(r"[a-z0-9][a-z0-9_-]{0,63}")
 """Of a scene, and of the job that makes it: they have the same."""
 
+LONG = 64 << 10  # bytes of a manifest: shorter ones are read faster than another object of the store
+
 _TITLE = "title.txt"
 
 _CHUNK_ID = re.compile(r"[0-9a-f]{64}")
+
+log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -50,6 +61,7 @@ class SceneEntry:
     published: datetime  # UTC
     version: str = ""  # another one, should another scene be published under the same id
     renamed: str = ""  # another one after every change of the title; empty while it has the first one
+    tag: str = ""  # entity tag of the manifest; empty in a store without tags
 
 
 @dataclass(frozen=True)
@@ -132,9 +144,43 @@ class ArtifactStore:
         """Return the bytes of a scene's manifest.json."""
         return self._get(f"scenes/{scene_id}/{MANIFEST}") if SCENE_ID.fullmatch(scene_id) else None
 
-    def pages(self, scene_id: str) -> bytes | None:
-        """Return a long scene's manifest in pages, for `PagedScene.unpacked`; it may be another version's."""
-        return self._get(f"scenes/{scene_id}/{PAGES}") if SCENE_ID.fullmatch(scene_id) else None
+    def describe(self, entry: SceneEntry) -> SceneDescription | None:
+        """Return a scene's description, or None if the scene is gone.
+
+        Costs one small read. Where the description is missing or of another manifest it is made of the manifest, and
+        written if the store can be written.
+
+        Raises:
+            InputError: the manifest is damaged or of another version.
+        """
+        path = f"scenes/{entry.id}/{DESCRIPTION}"
+        data = self._get(path)
+        described = None if data is None else SceneDescription.unpacked(data, entry.tag)
+        if described is not None:
+            return described
+        try:
+            found = obstore.get(self._store, f"scenes/{entry.id}/{MANIFEST}")
+        except FileNotFoundError:
+            return None
+        manifest, tag = bytes(found.bytes()), found.meta["e_tag"]
+        if self.pages(entry.id, manifest) is not None:  # a published and checked manifest
+            document = json.loads(manifest)
+        else:
+            document, _ = parse_manifest(manifest, f"manifest of scene {entry.id}")
+        described = SceneDescription.of(document, len(manifest))
+        if tag is not None:
+            try:
+                obstore.put(self._store, path, described.packed(tag))
+            except Exception as error:  # any exception of the store: the next process reads the manifest again
+                log.info("the description of scene %s was not written: %s", entry.id, one_line(error))
+        return described
+
+    def pages(self, scene_id: str, manifest: bytes) -> PagedScene | None:
+        """Return a long scene's manifest, of these bytes, in the pages made at its publication; None without them."""
+        if len(manifest) < LONG or not SCENE_ID.fullmatch(scene_id):
+            return None
+        data = self._get(f"scenes/{scene_id}/{PAGES}")
+        return None if data is None else PagedScene.unpacked(data, manifest)
 
     def thumbnail(self, scene_id: str) -> bytes | None:
         """Return the bytes of a scene's JPEG thumbnail."""
@@ -173,7 +219,7 @@ class ArtifactStore:
     def remove_scene(self, scene_id: str) -> None:
         """Take a scene back; unknown ids are ignored. Its chunks stay, since other scenes may name them too."""
         if SCENE_ID.fullmatch(scene_id):
-            for name in (MANIFEST, THUMBNAIL, _TITLE, PAGES):
+            for name in (MANIFEST, THUMBNAIL, _TITLE, PAGES, DESCRIPTION):
                 try:
                     obstore.delete(self._store, f"scenes/{scene_id}/{name}")
                 except FileNotFoundError:
@@ -200,7 +246,8 @@ def open_store(home: Home) -> ArtifactStore:
 
 
 def _entry(scene_id: str, manifest: ObjectMeta, title: ObjectMeta | None) -> SceneEntry:
-    return SceneEntry(scene_id, manifest["last_modified"], _version(manifest), "" if title is None else _version(title))
+    renamed = "" if title is None else _version(title)
+    return SceneEntry(scene_id, manifest["last_modified"], _version(manifest), renamed, manifest["e_tag"] or "")
 
 
 def _version(item: ObjectMeta) -> str:

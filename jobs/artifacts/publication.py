@@ -13,7 +13,7 @@ from obstore.store import ObjectStore
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback
 from hgs_core.codec.format.growth import replaces
-from hgs_core.codec.format.manifest_reading import read_manifest
+from hgs_core.codec.format.manifest_reading import parse_manifest
 from hgs_core.codec.format.paging import paged
 from hgs_core.codec.format.scene_folder import (
     ENCODE_AGAIN,
@@ -23,6 +23,7 @@ from hgs_core.codec.format.scene_folder import (
     load_manifest,
     stored_sizes,
 )
+from jobs.artifacts.scene_description import DESCRIPTION, SceneDescription
 
 __all__ = ["PAGES", "Publication"]
 
@@ -68,23 +69,28 @@ class Publication:
         if self._manifest.thumbnail:
             self._create(f"{self._scene}/{THUMBNAIL}", _read(self._folder / THUMBNAIL))
         require_lock()
-        if (ready := paged(self._manifest, json.loads(text))).pages:
+        document = json.loads(text)
+        if (ready := paged(self._manifest, document)).pages:
             obstore.put(self._store, f"{self._scene}/{PAGES}", ready.packed(text))
         if grows:
-            obstore.put(self._store, f"{self._scene}/{MANIFEST}", text)
+            tag = obstore.put(self._store, f"{self._scene}/{MANIFEST}", text)["e_tag"]
         else:
-            self._create(f"{self._scene}/{MANIFEST}", text)
+            tag = self._create(f"{self._scene}/{MANIFEST}", text)
+        if tag is not None:
+            described = SceneDescription.of(document, len(text)).packed(tag)
+            obstore.put(self._store, f"{self._scene}/{DESCRIPTION}", described)
         self._progress(Progress("publish", total, total))
 
-    def _create(self, path: str, data: bytes) -> None:
+    def _create(self, path: str, data: bytes) -> str | None:
+        """Put a file unless it is there, and return its entity tag; None if it was there, or the store has no tags."""
         try:
-            obstore.put(self._store, path, data, mode="create")
+            return obstore.put(self._store, path, data, mode="create")["e_tag"]
         except AlreadyExistsError:
-            return
+            return None
 
 
 def _chunk_names(manifest: bytes) -> frozenset[str]:
-    return frozenset(stored_sizes(read_manifest(json.loads(manifest))))
+    return frozenset(stored_sizes(parse_manifest(manifest)[1]))
 
 
 def _read(path: Path) -> bytes:

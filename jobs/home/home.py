@@ -4,22 +4,16 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from hgs_core.base.errors import InputError
 from jobs.home.byte_sizes import bytes_of
-from jobs.home.stage_settings import StageBytes, StageCount, StageSeconds
+from jobs.home.stage_limits import StageLimits
 
 __all__ = ["Home"]
 
 RUN_STATES = ("home", "store")
-
-SILENCE = StageSeconds(300.0)
-REPORT = StageSeconds(7200.0, (("train", 3600.0), ("publish", 3600.0)))
-PROCESSES = StageCount(256)
-FILES = StageCount(4096)
-FILE_SIZE = StageBytes(100e9)
 
 
 @dataclass(frozen=True)
@@ -34,12 +28,7 @@ class Home:
     database_url: str  # sqlite:///FILE or postgresql://USER:PASSWORD@HOST/DATABASE
     store_url: str  # a folder as file:///FOLDER, or s3://BUCKET/PREFIX
     pipeline: str = "hgs_core.runs.stages"  # the module that gives create_run, initialise, train and encode
-    stage_silence: StageSeconds = SILENCE  # longest time without report or computation
-    stage_report: StageSeconds = REPORT  # longest time without report
-    stage_memory: StageBytes | None = None  # memory of each process; None: any
-    stage_processes: StageCount = PROCESSES  # most processes; threads in proportion
-    stage_files: StageCount = FILES  # most open files of each process
-    stage_file_size: StageBytes = FILE_SIZE  # bytes of the longest file that it may write
+    limits: StageLimits = field(default_factory=StageLimits)
     capture_cache: float = 100e9  # bytes that copies of uploaded captures may take, where runs lie in the store
     run_state: str = "home"  # place of the state of runs: "home" or "store"
 
@@ -68,10 +57,7 @@ class Home:
     @classmethod
     def from_environment(cls, environment: Mapping[str, str] = os.environ) -> Home:
         """Read `HGS_HOME` (default ~/.hgs), `HGS_DATABASE_URL`, `HGS_STORE_URL`, `HGS_PIPELINE`, `HGS_RUN_STATE`,
-        `HGS_CAPTURE_CACHE` (bytes) and limits of stages.
-
-        These are `HGS_STAGE_SILENCE` and `HGS_STAGE_REPORT`, in seconds, `HGS_STAGE_MEMORY` and `HGS_STAGE_FILE_SIZE`,
-        in bytes, and `HGS_STAGE_PROCESSES` and `HGS_STAGE_FILES`, as `jobs.home.stage_settings` reads them.
+        `HGS_CAPTURE_CACHE` (bytes) and the limits of stages.
 
         An empty variable counts as absent. A store given as a plain path becomes a file URL.
 
@@ -83,23 +69,13 @@ class Home:
         store_url = environment.get("HGS_STORE_URL") or default.store_url
         if "://" not in store_url:
             store_url = Path(store_url).expanduser().resolve().as_uri()
-        silence = environment.get("HGS_STAGE_SILENCE") or str(default.stage_silence)
-        report = environment.get("HGS_STAGE_REPORT") or str(default.stage_report)
-        processes = environment.get("HGS_STAGE_PROCESSES") or str(default.stage_processes)
-        files = environment.get("HGS_STAGE_FILES") or str(default.stage_files)
-        file_size = environment.get("HGS_STAGE_FILE_SIZE") or str(default.stage_file_size)
-        memory, cache = environment.get("HGS_STAGE_MEMORY"), environment.get("HGS_CAPTURE_CACHE")
+        cache = environment.get("HGS_CAPTURE_CACHE")
         return cls(
             default.folder,
             environment.get("HGS_DATABASE_URL") or default.database_url,
             store_url,
             environment.get("HGS_PIPELINE") or default.pipeline,
-            StageSeconds.parse("HGS_STAGE_SILENCE", silence),
-            StageSeconds.parse("HGS_STAGE_REPORT", report),
-            StageBytes.parse("HGS_STAGE_MEMORY", memory) if memory else None,
-            StageCount.parse("HGS_STAGE_PROCESSES", processes),
-            StageCount.parse("HGS_STAGE_FILES", files),
-            StageBytes.parse("HGS_STAGE_FILE_SIZE", file_size),
+            StageLimits.from_environment(environment),
             bytes_of(cache, "HGS_CAPTURE_CACHE") if cache else default.capture_cache,
             environment.get("HGS_RUN_STATE") or default.run_state,
         )
@@ -111,12 +87,7 @@ class Home:
             "HGS_DATABASE_URL": self.database_url,
             "HGS_STORE_URL": self.store_url,
             "HGS_PIPELINE": self.pipeline,
-            "HGS_STAGE_SILENCE": str(self.stage_silence),
-            "HGS_STAGE_REPORT": str(self.stage_report),
-            "HGS_STAGE_MEMORY": str(self.stage_memory or ""),
-            "HGS_STAGE_PROCESSES": str(self.stage_processes),
-            "HGS_STAGE_FILES": str(self.stage_files),
-            "HGS_STAGE_FILE_SIZE": str(self.stage_file_size),
+            **self.limits.environment(),
             "HGS_CAPTURE_CACHE": repr(self.capture_cache),
             "HGS_RUN_STATE": self.run_state,
         }

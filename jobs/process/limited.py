@@ -19,8 +19,9 @@ def limit_stage(home: Home, stage: str) -> None:
     Its processes are for whoever starts it to count (`jobs.process.process_tree`).
     """
     keep_orphans()
-    limit_memory(None if home.stage_memory is None else home.stage_memory.of(stage))
-    limit_files(int(home.stage_files.of(stage)), home.stage_file_size.of(stage))
+    limits = home.limits
+    limit_memory(None if limits.memory is None else limits.memory.of(stage))
+    limit_files(int(limits.files.of(stage)), limits.file_size.of(stage))
 
 
 if __name__ == "__main__":

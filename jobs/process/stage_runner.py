@@ -20,7 +20,7 @@ from jobs.home.stage_settings import SHOW
 from jobs.process.memory_limit import system_kills
 from jobs.process.process_tree import ProcessTree
 from jobs.process.stage_environment import stage_environment
-from jobs.process.stage_outcome import StageOutcome, outcome_of
+from jobs.process.stage_outcome import Done, Failed, StageOutcome, Waits, outcome_of, read_outcome, record_of
 from jobs.process.stage_silence import Silence
 
 __all__ = ["GRACE", "OwnershipLost", "StageRunner"]
@@ -86,17 +86,18 @@ class StageRunner:
                 limit=LINE_LIMIT,
             )
         tree = ProcessTree(process.pid)
-        silence = Silence(tree, self.home.stage_silence.of(stage), self.home.stage_report.of(stage))
+        limits = self.home.limits
+        silence = Silence(tree, limits.silence.of(stage), limits.report.of(stage))
         running = self._running[name] = _Running(process, tree, silence)
         watches = (
             asyncio.create_task(_end_with(running)),
             asyncio.create_task(_end_if_silent(running, stage)),
-            asyncio.create_task(_end_if_too_many(running, stage, int(self.home.stage_processes.of(stage)))),
+            asyncio.create_task(_end_if_too_many(running, stage, int(limits.processes.of(stage)))),
         )
         publishing: list[asyncio.Task[None]] = []
         publish = lambda: publishing.append(asyncio.create_task(self._publish(_showing(name), running, run)))  # noqa: E731
         try:
-            said = await _relay(running, on_progress, publish)
+            reported = await _relay(running, on_progress, publish)
             status = await process.wait()
         except asyncio.CancelledError:
             _signal(process, signal.SIGTERM)
@@ -114,8 +115,8 @@ class StageRunner:
         if running.lost:
             return None
         if running.too_many:
-            return StageOutcome(f"{stage}: {running.too_many}")
-        return outcome_of(stage, status, said, silent=silence.over, killed_before=killed_before)
+            return Failed(f"{stage}: {running.too_many}")
+        return outcome_of(stage, status, reported, silent=silence.over, killed_before=killed_before)
 
     async def _publish(self, name: str, running: _Running, run: Path) -> None:
         """Publish the finished part of a stage in a process of its own, and report the result to the stage."""
@@ -124,15 +125,12 @@ class StageRunner:
             running.silence.broken()
 
         try:
-            outcome = await self._process(name, SHOW, run, is_heard)
+            outcome: StageOutcome | None = await self._process(name, SHOW, run, is_heard)
         except OSError as error:  # it could not even be started
-            outcome = StageOutcome(waiting=one_line(error))
+            outcome = Waits(one_line(error))
         if outcome is not None and running.process.stdin is not None:
-            answer = {"error": outcome.error, "waiting": outcome.waiting}
-            if outcome.killed:  # the stage is not to blame
-                answer = {"error": "", "waiting": outcome.error}
             with contextlib.suppress(ConnectionError):
-                running.process.stdin.write(json.dumps(answer).encode() + b"\n")
+                running.process.stdin.write(json.dumps(record_of(outcome)).encode() + b"\n")
                 await running.process.stdin.drain()
 
     async def _unless_stopping(self) -> None:
@@ -172,9 +170,9 @@ def _showing(name: str) -> str:
 async def _relay(
     running: _Running, on_progress: Callable[[Progress], Awaitable[None]], publish: Callable[[], object]
 ) -> StageOutcome:
-    """Pass on progress and requests until stdout ends; return the stage's own report of a failure, if any."""
+    """Pass on progress and requests until stdout ends; return the stage's own report of a failure, `Done` for none."""
     assert running.process.stdout is not None
-    said = StageOutcome()
+    reported: StageOutcome = Done()
     async for line in running.process.stdout:
         running.silence.broken()
         message = json.loads(line)
@@ -183,8 +181,8 @@ async def _relay(
         elif "publish" in message:
             publish()
         else:
-            said = StageOutcome(message.get("error", ""), message.get("waiting", ""))
-    return said
+            reported = read_outcome(message)
+    return reported
 
 
 async def _end_with(running: _Running) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import shutil
+from typing import assert_never
 
 import sqlalchemy as sa
 from dbos import DBOS
@@ -14,7 +15,7 @@ from jobs.home.database_faults import DATABASE_FAULTS
 from jobs.home.home import Home
 from jobs.home.passing_faults import one_line
 from jobs.home.stage_settings import HELP
-from jobs.process.stage_outcome import StageOutcome
+from jobs.process.stage_outcome import Done, Failed, Killed, StageOutcome, Waits
 from jobs.process.stage_runner import StageRunner
 from jobs.queue.enqueue import HELP_JOB, helper_name, workflow_id
 from jobs.records.job import JobState
@@ -74,18 +75,22 @@ class HelperWorkflow:
                 await asyncio.wait({stage}, timeout=LOOK)
                 if not stage.done() and not await asyncio.to_thread(self._is_running, job_id, attempt):
                     return "the job is not running any more"
-            outcome = await stage
+            outcome: StageOutcome = await stage
         except OSError as error:  # it could not even be started
-            outcome = StageOutcome(one_line(error))
+            outcome = Failed(one_line(error))
         finally:
             stage.cancel()
             await asyncio.gather(stage, return_exceptions=True)
             if self._home.runs_in_store:
                 shutil.rmtree(run, ignore_errors=True)
-        reason = outcome.waiting or outcome.error
-        if reason:
-            log.warning("%s: help came to nothing: %s", job_id, reason)
-        return reason
+        match outcome:
+            case Done():
+                return ""
+            case Failed(reason) | Waits(reason) | Killed(reason):
+                log.warning("%s: help came to nothing: %s", job_id, reason)
+                return reason
+            case _:
+                assert_never(outcome)
 
     def _is_running(self, job_id: str, attempt: int) -> bool:
         try:

@@ -115,11 +115,13 @@ class Recovery:
         if time.monotonic() < self._next_wake:
             return
         self._next_wake = time.monotonic() + WAKE
-        back: dict[tuple[str, str], bool] = {}
+        back: dict[tuple[Cause, str], bool] = {}
         for job in self._table.waiting():
-            seen = (job.cause, job.capture if job.cause == Cause.CAPTURE else "")
+            if job.cause is None:
+                continue
+            seen = (job.cause, job.capture if job.cause is Cause.CAPTURE else "")
             if seen not in back:
-                back[seen] = self._surroundings.is_back(Cause(job.cause), Path(job.capture))
+                back[seen] = self._surroundings.is_back(job.cause, Path(job.capture))
             if back[seen]:
                 # The delay first: if this process dies in between, the row waits, and a worker brings it in line.
                 DBOS.set_workflow_delay(workflow_id(job.id, job.attempt), delay_seconds=0)

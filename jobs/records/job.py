@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any
 
+from jobs.home.passing_faults import Cause
+
 __all__ = ["ACTIVE", "Job", "JobState", "Place"]
 
 
@@ -40,7 +42,7 @@ class Job:
     id: str
     title: str
     capture: str  # absolute path
-    config: Mapping[str, Any]  # RunConfig.to_json(); of older jobs, its flat form
+    config: Mapping[str, Any]  # RunConfig.to_json()
     state: JobState = JobState.QUEUED
     attempt: int = 1  # counts retries, the queue's own too; every write of a worker names the attempt it belongs to
     epoch: int = 0  # counts the workers that took it: the last one's fences all earlier ones off the run's state
@@ -51,7 +53,7 @@ class Job:
     error: str = ""  # one line, when failed
     scene_id: str = ""  # the published scene, when succeeded
     waiting: str = ""  # one line: why an unfinished job does not go on at the moment
-    cause: str = ""  # a `Cause` of readiness.py for a waiting job; "" if unknown
+    cause: Cause | None = None  # the lack behind `waiting`; None if unknown
     created: float = 0.0  # seconds since the epoch
     updated: float = 0.0
     labels: tuple[str, ...] = ()  # search terms for people
@@ -59,11 +61,11 @@ class Job:
     time_limit: float = 0.0  # seconds that an attempt may take once a worker has taken it; 0: any
     webhook: str = ""  # the URL that is told when the job ends
     audio: str = ""  # sound, in the form of JobRequest.audio
-    stage_ends: float = 0.0  # expected end of the running stage, seconds since the epoch; 0: unknown
+    ends: float = 0.0  # expected end of all stages, seconds since the epoch; 0: unknown
 
     def to_json(self) -> dict[str, Any]:
         """Return the fields as plain JSON values."""
-        return {**dataclasses.asdict(self), "state": self.state.value}
+        return {**dataclasses.asdict(self), "state": self.state.value, "cause": self.cause or ""}
 
 
 @dataclass(frozen=True)

@@ -31,7 +31,7 @@ job_rows = sa.Table(
     sa.Column("labels", sa.JSON, nullable=False, server_default="[]"),
     sa.Column("priority", sa.Integer, nullable=False, server_default="0"),
     sa.Column("time_limit", sa.Float(53), nullable=False, server_default="0"),
-    sa.Column("stage_ends", sa.Float(53), nullable=False, server_default="0"),
+    sa.Column("ends", sa.Float(53), nullable=False, server_default="0"),
     sa.Column("webhook", sa.Text, nullable=False, server_default=""),
     sa.Column("audio", sa.Text, nullable=False, server_default=""),
     sa.Column("request_key", sa.String(255)),  # NULL: the client gave none

@@ -9,6 +9,7 @@ from typing import Any
 import sqlalchemy as sa
 
 from hgs_core.base.progress import Progress
+from jobs.home.passing_faults import Cause
 from jobs.records.announcements import announce
 from jobs.records.job import ACTIVE, Job, JobState, Place
 from jobs.records.job_filter import JobFilter
@@ -16,7 +17,7 @@ from jobs.records.job_schema import job_labels, job_rows, metadata
 
 __all__ = ["JobTable", "metadata"]
 
-SILENCE = 60.0  # seconds without a word from a worker, which speaks every 20 s, after which a running job says so
+JOB_SILENCE = 60.0  # seconds without a word from a worker, which speaks every 20 s, after which a running job says so
 _MOST_IDS = 10_000  # ids of one query; SQLite allows 32,766 values, Postgres 65,535
 
 
@@ -151,8 +152,8 @@ class JobTable:
         """Mark a waiting attempt as queued: it is tried again as soon as a worker is free."""
         return self._update(job.id, job.attempt, if_updated=job.updated, state=JobState.QUEUED, waiting="", cause="")
 
-    def progress(self, job_id: str, attempt: int, progress: Progress, stage_ends: float = 0.0) -> bool:
-        """Record how far a running attempt is, and when its stage will probably end."""
+    def progress(self, job_id: str, attempt: int, progress: Progress, ends: float = 0.0) -> bool:
+        """Record how far a running attempt is, and when the job will probably end."""
         return self._update(
             job_id,
             attempt,
@@ -160,7 +161,7 @@ class JobTable:
             done=progress.done,
             total=progress.total,
             figures=dict(progress.figures),
-            stage_ends=stage_ends,
+            ends=ends,
         )
 
     def succeed(self, job_id: str, attempt: int, scene_id: str) -> bool:
@@ -186,13 +187,15 @@ class JobTable:
         )
         return connection.execute(statement).rowcount == 1
 
-    def put_off(self, connection: sa.Connection, job_id: str, attempt: int, reason: str, cause: str = "") -> bool:
+    def put_off(
+        self, connection: sa.Connection, job_id: str, attempt: int, reason: str, cause: Cause | None = None
+    ) -> bool:
         """Turn an unfinished attempt into the next one, which waits, inside the caller's transaction.
 
-        It keeps its progress. `cause` is what to look for, if that is known.
+        It keeps its progress. `cause` is what to look for; None if unknown.
         """
-        values: dict[str, Any] = {"state": JobState.WAITING, "attempt": attempt + 1, "waiting": reason, "cause": cause}
-        values["updated"] = time.time()
+        values: dict[str, Any] = {"state": JobState.WAITING, "attempt": attempt + 1, "updated": time.time()}
+        values |= {"waiting": reason, "cause": "" if cause is None else cause.value}
         return connection.execute(_unfinished(job_id, attempt).values(values)).rowcount == 1
 
     def _update(self, job_id: str, attempt: int, *, if_updated: float | None = None, **values: Any) -> bool:
@@ -216,7 +219,8 @@ def _unfinished(job_id: str, attempt: int) -> sa.Update:
 def _job(row: sa.Row[Any]) -> Job:
     values = {name: value for name, value in row._mapping.items() if not name.startswith("request_")}
     values["state"], values["labels"] = JobState(values["state"]), tuple(values["labels"])
+    values["cause"] = Cause(values["cause"]) if values["cause"] else None
     silence = time.time() - values["updated"]
-    if values["state"] is JobState.RUNNING and silence > SILENCE:
+    if values["state"] is JobState.RUNNING and silence > JOB_SILENCE:
         values["waiting"] = f"no worker has reported on it for {silence / 60:.0f} min"
     return Job(**values)

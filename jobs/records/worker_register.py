@@ -21,7 +21,7 @@ from jobs.records.job_schema import worker_rows
 __all__ = ["Worker", "WorkerRegister", "list_workers", "main"]
 
 INTERVAL = 10.0  # seconds between two words of a worker with nothing new to say
-SILENCE = 60.0  # seconds without a word after which a worker is not counted
+WORKER_SILENCE = 60.0  # seconds without a word after which a worker is not counted
 FORGOTTEN = 86400.0  # seconds after which the row of one that died is removed
 
 
@@ -78,7 +78,7 @@ class WorkerRegister:
 
 def list_workers(engine: sa.Engine) -> list[Worker]:
     """Return the workers that have spoken within the last minute, by host and age."""
-    query = sa.select(worker_rows).where(worker_rows.c.seen >= time.time() - SILENCE)
+    query = sa.select(worker_rows).where(worker_rows.c.seen >= time.time() - WORKER_SILENCE)
     with engine.connect() as connection:
         rows = connection.execute(query.order_by(worker_rows.c.host, worker_rows.c.started, worker_rows.c.id))
         return [Worker(**row._mapping) for row in rows]
@@ -89,7 +89,7 @@ def main() -> None:
     host = socket.gethostname()
     engine = create_engine(Home.from_environment())
     if not any(worker.host == host for worker in list_workers(engine)):
-        sys.exit(f"no worker on {host} has spoken within {SILENCE:g} s")
+        sys.exit(f"no worker on {host} has spoken within {WORKER_SILENCE:g} s")
 
 
 if __name__ == "__main__":

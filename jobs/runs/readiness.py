@@ -25,6 +25,7 @@ __all__ = ["Missing", "Surroundings"]
 
 # Bytes left on a disk that counts as full: libraries hide the error, and remove what they could not write.
 FULL = 1 << 20
+CAPTURE_BACKOFF = 60.0  # seconds
 STORE_INTERVAL = 10.0  # seconds between two looks at the store
 STORE_HANGS = 10.0  # seconds after which a look that has not ended says enough
 
@@ -46,23 +47,42 @@ class Surroundings:
         self._store: Missing | None = None  # result of the last look
         self._looked = False
         self._looking_since: float | None = None
+        self._missed: tuple[Path, float] | None = None  # the last capture that `of_job` did not see, and when
 
     def watch_store(self) -> None:
         """Begin to look at the store every ten seconds, in a thread: one that hangs takes seconds to be found out."""
         lasting_thread("store", self._watch).start()
 
     def of_machine(self) -> Missing | None:
-        """Return the lack of this machine for any job, the store as `watch_store` last saw it; None if ready."""
+        """Return the lack of this machine for any job, the store as `watch_store` last saw it; None if ready.
+
+        A capture that `of_job` did not see counts for a minute while it stays away: another machine may see it, or it
+        may be gone for good.
+        """
         if lacking := self.home():
             return lacking
         began = self._looking_since
         if began is not None and time.monotonic() - began > STORE_HANGS:
             return Missing(Cause.STORE, "the store fails: it does not answer")
-        return self._store
+        return self._store or self._missed_capture()
 
     def of_job(self, capture: Path) -> Missing | None:
         """Return the lack of this machine for the stages of a job before its publication; None if ready."""
-        return self.home() or _capture(capture)
+        if lacking := self.home():
+            return lacking
+        lacking = _capture(capture)
+        if lacking is not None:
+            self._missed = capture, time.monotonic()
+        return lacking
+
+    def _missed_capture(self) -> Missing | None:
+        missed = self._missed
+        if missed is None or time.monotonic() - missed[1] > CAPTURE_BACKOFF:
+            return None
+        lacking = _capture(missed[0])
+        if lacking is None:
+            self._missed = None
+        return lacking
 
     def store(self) -> Missing | None:
         """Look whether the store answers, for half a minute at most; a dead file server may take for ever."""

@@ -16,11 +16,12 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import assert_never
 
 from jobs.home.home import Home
 from jobs.home.object_store import open_object_store
 from jobs.home.passing_faults import one_line, passing_fault
-from jobs.process.stage_outcome import StageOutcome
+from jobs.process.stage_outcome import Done, Failed, Waits
 from jobs.runs.run_transfer import QUIET, RunState, run_prefix
 from jobs.runs.stored_captures import StoredCaptures, capture_of, is_upload
 from jobs.runs.stored_run import RunHead, RunTakenError, StoredRun
@@ -38,6 +39,7 @@ SHOWN = QUIET | {"run.json", "check.json", "train.json", "eval.json", "report.ht
 log = logging.getLogger(__name__)
 
 Attempt = tuple[str, int]  # job id, attempt
+Saved = Done | Failed | Waits  # the outcomes of a claim or a save
 
 
 @dataclass
@@ -66,13 +68,13 @@ class RunSaving:
         if claim is not None:
             claim.held.close()
 
-    async def claim(self, attempt: Attempt) -> StageOutcome:
+    async def claim(self, attempt: Attempt) -> Saved:
         """Claim the run and restore its folder here; the outcome gives the reason of a refusal, if any."""
         if self._store is None:
-            return StageOutcome()
+            return Done()
         claim = self._claims[attempt]
         if claim.state is not None and not claim.taken:
-            return StageOutcome()
+            return Done()
         captures, run = StoredCaptures(self._home), self._home.run(attempt[0])
         stored = StoredRun(self._store, run_prefix(attempt[0]))
         state = RunState(
@@ -86,7 +88,7 @@ class RunSaving:
             keep_findings_in(run)
 
         outcome = await asyncio.to_thread(_outcome_of, have)
-        if outcome == StageOutcome():
+        if isinstance(outcome, Done):
             claim.state, claim.taken = state, False
         return outcome
 
@@ -122,7 +124,7 @@ class RunSaving:
         finally:
             saving.cancel()
 
-    async def save(self, attempt: Attempt) -> StageOutcome:
+    async def save(self, attempt: Attempt) -> Saved:
         """Save all that has changed; the outcome says why that failed, if it did."""
         return await asyncio.to_thread(self._save, attempt)
 
@@ -154,12 +156,12 @@ class RunSaving:
         except Exception as error:
             log.warning("the run of %s was not cleared: %s", attempt[0], one_line(error))
 
-    def _save(self, attempt: Attempt) -> StageOutcome:
+    def _save(self, attempt: Attempt) -> Saved:
         claim = self._claims.get(attempt)
         if claim is None or claim.state is None:
-            return StageOutcome()
+            return Done()
         outcome = _outcome_of(claim.state.save)
-        claim.taken = claim.taken or outcome == _TAKEN
+        claim.taken = claim.taken or outcome is _TAKEN
         return outcome
 
     async def _save_again_and_again(self, attempt: Attempt, on_taken: Callable[[], object]) -> None:
@@ -183,12 +185,17 @@ class RunSaving:
             outcome = await asyncio.to_thread(self._save, attempt)
             next_quiet = time.monotonic() + QUIET_INTERVAL
             if claim.taken:
-                log.warning("%s: %s", attempt[0], outcome.waiting)
+                log.warning("%s: %s", attempt[0], _TAKEN.reason)
                 on_taken()
                 return
-            if outcome != StageOutcome():
-                log.warning("%s was not saved: %s", attempt[0], outcome.waiting or outcome.error)
-                await asyncio.sleep(AGAIN)
+            match outcome:
+                case Waits(reason) | Failed(reason):
+                    log.warning("%s was not saved: %s", attempt[0], reason)
+                    await asyncio.sleep(AGAIN)
+                case Done():
+                    pass
+                case _:
+                    assert_never(outcome)
 
 
 def keep_findings_in(run: Path) -> None:
@@ -196,10 +203,10 @@ def keep_findings_in(run: Path) -> None:
     (run / "found").mkdir(exist_ok=True)
 
 
-_TAKEN = StageOutcome(waiting="another process has taken this run over")
+_TAKEN = Waits("another process has taken this run over")
 
 
-def _outcome_of(move: Callable[[], None]) -> StageOutcome:
+def _outcome_of(move: Callable[[], None]) -> Saved:
     try:
         move()
     except RunTakenError:
@@ -207,6 +214,6 @@ def _outcome_of(move: Callable[[], None]) -> StageOutcome:
     except Exception as error:
         fault = passing_fault(error)
         if fault is None:
-            return StageOutcome(one_line(error))
-        return StageOutcome(waiting=fault.reason, cause=fault.cause or "")
-    return StageOutcome()
+            return Failed(one_line(error))
+        return Waits(fault.reason, fault.cause)
+    return Done()

@@ -219,12 +219,12 @@ def bring(
 
 
 def files_of_run(folder: Path) -> Iterator[tuple[str, Stamp]]:
-    """Yield the state files of a run folder, by path below it: neither locks nor files being written.
+    """Yield the state files of a run folder, by path below it: neither locks, decoded pictures nor files being written.
 
     A folder comes before what lies in it, so that whoever finds a manifest finds the chunks it names, too.
     """
     for root, folders, names in os.walk(folder):
-        folders.sort()
+        folders[:] = sorted(name for name in folders if not name.startswith("."))
         for name in sorted(names):
             path = Path(root, name)
             relative = path.relative_to(folder).as_posix()

@@ -8,6 +8,7 @@ of a dead process, and whoever has watched it so long may go on from there. The 
 from __future__ import annotations
 
 import contextlib
+import functools
 import logging
 import re
 import threading
@@ -30,11 +31,12 @@ from jobs.runs.stored_run import RunHead, RunTakenError, StoredRun
 __all__ = ["StoredSegments", "fetch_for_help", "help_folder", "is_of_segment", "job_of_folder", "parts_prefix"]
 
 BEAT = 5.0  # seconds between two signs of life
-SILENCE = 20.0  # seconds without one after which whoever makes a segment counts as dead
+SEGMENT_SILENCE = 20.0  # seconds without one after which whoever makes a segment counts as dead
 PATIENCE = 240.0  # seconds to hand a segment over in
 LOOK = 2.0  # seconds between two looks at the segments of others
 
 _OF_SEGMENT = re.compile(r"(?:segments/|checkpoint-)([1-9]\d*)(?:[/.].*)?")
+_FOR_SEGMENT = re.compile(r"(?:masks|points)/(\d+)\..*")
 
 log = logging.getLogger(__name__)
 
@@ -60,7 +62,9 @@ def is_of_segment(run: Path, name: str) -> bool:
 
 
 def fetch_for_help(home: Home, folder: Path) -> contextlib.ExitStack:
-    """Bring the inputs of a segment into a helper's folder; the returned object holds the capture until it is closed.
+    """Bring the inputs of all segments into a helper's folder; the returned object holds the capture until closed.
+
+    Those of one segment come when that is claimed.
 
     Raises:
         RunTakenError: the run is gone.
@@ -71,7 +75,8 @@ def fetch_for_help(home: Home, folder: Path) -> contextlib.ExitStack:
     head = stored.head()
     if head is None:
         raise RunTakenError(f"{job_id}: the run is gone")
-    files = {name: file for name, file in head.files.items() if name not in QUIET and not name.startswith("scene")}
+    aside = [name for name in head.files if name in QUIET or name.startswith("scene") or _FOR_SEGMENT.fullmatch(name)]
+    files = {name: file for name, file in head.files.items() if name not in aside}
     bring(stored, files, folder, captures.translation())
     capture = capture_of(folder)
     if capture is not None:
@@ -101,7 +106,7 @@ class StoredSegments:
 
     @contextlib.contextmanager
     def claimed(self, number: int, meanwhile: Callable[[], object]) -> Iterator[bool]:
-        """Claim a segment, and bring its checkpoint; at the end of the block it is handed over, or given up."""
+        """Claim a segment, and bring its inputs and checkpoint; when the block ends, hand it over or give it up."""
         state = self._claim(number)
         if state is None:
             yield False
@@ -122,6 +127,7 @@ class StoredSegments:
         beating = threading.Thread(target=beat, name="segment", daemon=True)
         beating.start()
         try:
+            self._bring_inputs(number)
             yield True
         except BaseException:
             over.set()
@@ -144,9 +150,13 @@ class StoredSegments:
             self._nothing_seen(error)
             return False
 
+    @functools.cached_property
+    def _count(self) -> int:
+        return self._segments.segment_count(self._run)  # found once: the capture is opened for it
+
     def _bring(self) -> bool:
         new = False
-        for number in range(1, self._segments.segment_count(self._run)):
+        for number in range(1, self._count):
             if self._segments.made(self._run, number):
                 continue
             stored = self._part(number)
@@ -162,6 +172,13 @@ class StoredSegments:
             elif self._seen.get(number, ("", 0.0))[0] != head.tag:
                 self._seen[number] = head.tag, time.monotonic()
         return new
+
+    def _bring_inputs(self, number: int) -> None:
+        """Bring the inputs of this segment alone, where they are not here yet."""
+        stored = StoredRun(self._store, run_prefix(self._job_id))
+        head = stored.head()
+        named = {} if head is None else {n: f for n, f in head.files.items() if _number_of(n, _FOR_SEGMENT) == number}
+        bring(stored, {name: file for name, file in named.items() if not (self._run / name).exists()}, self._run)
 
     def _claim(self, number: int) -> RunState | None:
         stored = self._part(number)
@@ -191,7 +208,7 @@ class StoredSegments:
 
     def _silent(self, number: int, head: RunHead) -> bool:
         tag, since = self._seen.get(number, ("", 0.0))
-        return tag == head.tag and time.monotonic() - since > SILENCE
+        return tag == head.tag and time.monotonic() - since > SEGMENT_SILENCE
 
     def _part(self, number: int) -> StoredRun:
         return StoredRun(self._store, f"{parts_prefix(self._job_id)}/{number}")
@@ -211,6 +228,6 @@ def _hand_over(state: RunState) -> None:
         time.sleep(BEAT)
 
 
-def _number_of(name: str) -> int:
-    found = _OF_SEGMENT.fullmatch(name)
+def _number_of(name: str, kind: re.Pattern[str] = _OF_SEGMENT) -> int:
+    found = kind.fullmatch(name)
     return 0 if found is None else int(found[1])

@@ -11,7 +11,7 @@ from typing import Literal
 
 __all__ = ["SignedToken", "read_token", "sign_token"]
 
-LONGEST = 512  # characters
+LONGEST_TOKEN = 512  # characters
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ def sign_token(token: SignedToken, secret: bytes) -> str:
 
 def read_token(text: str, secret: bytes, now: float) -> SignedToken | None:
     """Return the token in a text, or None if its signature is wrong or it has expired."""
-    if len(text) > LONGEST:
+    if len(text) > LONGEST_TOKEN:
         return None
     try:
         fields, signature = (base64.urlsafe_b64decode(part + "=" * (-len(part) % 4)) for part in text.split("."))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import json
 import socket
 import tempfile
 from collections.abc import AsyncIterator, Collection
@@ -14,7 +15,9 @@ from typing import Any, cast
 
 from fastapi import FastAPI
 
+from hgs_core.codec.format.paging import PagedScene
 from jobs.artifacts.artifact_store import SceneEntry
+from jobs.artifacts.scene_description import SceneDescription
 from jobs.home.home import Home
 from server.app import create_app
 from server.bench.bench_scene import BenchScene
@@ -33,11 +36,14 @@ class _OneScene:
     def scene_entry(self, scene_id: str) -> SceneEntry | None:
         return SceneEntry("bench", datetime.now(UTC), "1") if scene_id == "bench" else None
 
+    def describe(self, entry: SceneEntry) -> SceneDescription:
+        return SceneDescription.of(json.loads(self._scene.document), len(self._scene.document))
+
     def manifest(self, scene_id: str) -> bytes | None:
         return self._scene.document if scene_id == "bench" else None
 
-    def pages(self, scene_id: str) -> bytes | None:
-        return self._scene.pages.packed(self._scene.document) if scene_id == "bench" else None
+    def pages(self, scene_id: str, manifest: bytes) -> PagedScene | None:
+        return self._scene.pages if scene_id == "bench" else None
 
     def title(self, scene_id: str) -> str | None:
         return None

@@ -54,7 +54,7 @@ def main(arguments: list[str] | None = None) -> int:
     operation, note = arguments or sys.argv[1:]
     home = Home.from_environment()
     limit_stage(home, STAGE)
-    if home.stage_memory is None:
+    if home.limits.memory is None:
         _limit(resource.RLIMIT_DATA, _MEMORY)
     os.nice(_NICENESS)
     logging.basicConfig(level=logging.WARNING, format="%(message)s")

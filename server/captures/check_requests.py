@@ -133,7 +133,7 @@ class CaptureChecks:
             env=without_secrets(),
             start_new_session=True,
         )
-        tree, limit = ProcessTree(process.pid), int(Home.from_environment().stage_processes.of(_STAGE))
+        tree, limit = ProcessTree(process.pid), int(Home.from_environment().limits.processes.of(_STAGE))
         ended, crowded = asyncio.create_task(process.communicate()), asyncio.create_task(tree.until_too_many(limit))
         try:
             await asyncio.wait({ended, crowded}, timeout=self._longest, return_when=asyncio.FIRST_COMPLETED)

@@ -10,39 +10,12 @@ from typing import Any
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.writable import require_writable_folder
+from hgs_core.evaluate.score_table import SCORE_COLUMNS, score_lines
 from server.cli.progress_bars import ProgressBars
 
-__all__ = ["FIELDS", "add_parser"]
+__all__ = ["add_parser"]
 
 NO_LPIPS = "no LPIPS: give its weights with --lpips FILE; docs/evaluation.md says how to make the file"
-
-FIELDS = (
-    "psnr",  # dB, mean over frames and cameras
-    "ssim",  # data range 1
-    "ms_ssim",
-    "lpips",
-    "flip",
-    "flicker",
-    "flicker_steady",  # the truth's own flicker
-    "psnr_dynamic",  # dB, pooled over frames and cameras
-    "psnr_static",
-    "ssim_dynamic",  # mean over all pixels that move
-    "lpips_dynamic",
-    "psnr_colour_corrected",  # dB, after the best affine colour map of each camera
-    "psnr_dynamic_colour_corrected",  # dB, after the same maps
-    "psnr_lens_corrected",  # dB, darkened as the training cameras' lenses do on average, then after such maps
-    "psnr_dynamic_lens_corrected",
-    "magnified",  # dB of larger pictures and nearer eyes, if asked for
-    "bytes_total",
-    "bytes_static",
-    "bytes_dynamic",
-    "splats_static",
-    "splats_dynamic",
-    "train_seconds",
-    "frames",
-    "cameras",
-    "cameras_trained_on",
-)
 
 
 def add_parser(commands: Any) -> None:
@@ -104,14 +77,13 @@ def _run(options: argparse.Namespace) -> int:
             magnify=magnify,
             backend=options.backend,
         )
-    scores = {name: result[name] for name in FIELDS}
+    scores = {name: result[name] for name in SCORE_COLUMNS}
     if options.lpips is None:
         print(NO_LPIPS, file=sys.stderr)
     if options.json:
         print(json.dumps(scores))
     else:
-        for name, value in scores.items():
-            print(f"{name:<29} {_text(value)}")
+        print("\n".join(score_lines(scores)))
     return 0
 
 
@@ -127,13 +99,3 @@ def _factors(text: str) -> list[int]:
         return sorted({int(part) for part in text.split(",")})
     except ValueError:
         raise InputError("--magnify", f"{text!r} is not a list of whole numbers", "try --magnify 2,4") from None
-
-
-def _text(value: Any) -> str:
-    if value is None:
-        return "-"
-    if isinstance(value, dict):
-        return ", ".join(f"{name} {_text(score)}" for name, score in value.items())
-    if isinstance(value, list):
-        return ", ".join(map(str, value)) or "-"
-    return f"{value:.4f}" if isinstance(value, float) else str(value)

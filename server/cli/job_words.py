@@ -80,7 +80,7 @@ def job_details(job: dict[str, Any], now: float) -> str:
         "waits for": job["waiting"],
         "error": job["error"],
         "stage": _stage(job) if job["stage"] else None,
-        "left of it": _left(job, now) if job["stage_ends"] else None,
+        "left": _left(job, now) if job["ends"] else None,
         "attempt": job["attempt"],
         "priority": job["priority"],
         "time limit": duration(job["time_limit"]) if job["time_limit"] else None,
@@ -127,7 +127,7 @@ def _stage(job: dict[str, Any]) -> str:
 
 
 def _left(job: dict[str, Any], now: float) -> str:
-    return duration(job["stage_ends"] - now) if job["stage_ends"] else "-"
+    return duration(job["ends"] - now) if job["ends"] else "-"
 
 
 def _aligned(rows: Sequence[tuple[str, ...]]) -> str:

@@ -130,7 +130,8 @@ def _watch(desk: JobDesk, options: argparse.Namespace) -> int:
             if options.json and job != told:
                 print(json.dumps(job), flush=True)
             elif progress is not None and not options.json:
-                bars(Progress(progress["stage"], progress["done"], progress["total"], progress["figures"]))
+                left = job["ends"] and job["ends"] - time.time()
+                bars(Progress(progress["stage"], progress["done"], progress["total"], progress["figures"]), left)
             told = job
             if job["state"] not in ("queued", "running", "waiting"):
                 break

@@ -17,7 +17,7 @@ from hgs_core.base.errors import InputError
 __all__ = ["add_parser"]
 
 _UNITS = {"s": 1, "m": 60, "h": 3600, "d": 86400}
-_LONGEST = 36500 * 86400.0  # seconds: a century
+_LONGEST_KEY_DAYS = 36500  # a century
 _SCOPES = ("view", "submit", "publish", "admin")
 
 
@@ -99,11 +99,12 @@ def _link(options: argparse.Namespace) -> int:
     from jobs.artifacts.artifact_store import ArtifactStore
     from jobs.home.home import Home
     from jobs.records.keys import KeyTable
+    from server.access.link_lifetime import LONGEST_LINK_DAYS
     from server.access.signed_tokens import SignedToken, sign_token
     from server.http.site_root import configured_root
 
     home = Home.from_environment()
-    expires = int(time.time() + seconds(options.duration))
+    expires = int(time.time() + seconds(options.duration, LONGEST_LINK_DAYS))
     if ArtifactStore(home.store_url).scene_entry(options.scene) is None:
         raise InputError(f"scene {options.scene}", "no such scene in the store", "give the id that hgs publish printed")
     with closing(KeyTable(home)) as table:
@@ -112,20 +113,18 @@ def _link(options: argparse.Namespace) -> int:
     return 0
 
 
-def seconds(text: str) -> float:
+def seconds(text: str, longest: int = _LONGEST_KEY_DAYS) -> float:
     """Return the seconds of a time such as 90s, 45m, 12h or 7d.
 
     Raises:
-        InputError: it is none, or no time at all.
+        InputError: it is none, no time at all, or more than `longest` days.
     """
     found = re.fullmatch(r"(\d{1,9}(?:\.\d{1,3})?)([smhd])", text)
     value = float(found[1]) * _UNITS[found[2]] if found else math.nan
     if not value > 0:
         raise InputError("--for", f"{text!r} is no length of time", "give a number with s, m, h or d, such as 12h")
-    if value > _LONGEST:
-        raise InputError(
-            "--for", f"{text} is too long", "give 36500d at most, or leave it out for a key without an end"
-        )
+    if value > longest * _UNITS["d"]:
+        raise InputError("--for", f"{text} is too long", f"give {longest}d at most")
     return value
 
 

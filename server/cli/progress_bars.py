@@ -9,6 +9,7 @@ from tqdm import tqdm
 
 from hgs_core.base.progress import Progress, StageStopped
 from server.cli.interrupts import Interrupts
+from server.cli.job_words import duration
 
 __all__ = ["ProgressBars"]
 
@@ -21,8 +22,8 @@ class ProgressBars:
         self._stage = ""
         self._bar: Any = None
 
-    def __call__(self, progress: Progress) -> None:
-        """Draw a report.
+    def __call__(self, progress: Progress, left: float | None = None) -> None:
+        """Draw a report, with the seconds that are left of everything, where these are known.
 
         Raises:
             StageStopped: the user pressed Ctrl-C.
@@ -36,8 +37,11 @@ class ProgressBars:
                 desc=f"{progress.stage:<10}", total=progress.total, dynamic_ncols=True, initial=progress.done
             )
         self._bar.total = progress.total
-        if progress.figures:
-            self._bar.set_postfix({name: _figure(value) for name, value in progress.figures.items()}, refresh=False)
+        figures = {name: _figure(value) for name, value in progress.figures.items()}
+        if left is not None:
+            figures = {"left": duration(left), **figures}
+        if figures:
+            self._bar.set_postfix(figures, refresh=False)
         self._bar.update(progress.done - self._bar.n)
 
     def close(self) -> None:

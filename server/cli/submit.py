@@ -74,7 +74,8 @@ def _follow(client: Any, job_id: str) -> int:
     with ProgressBars() as bars:
         while not (job := client.get(job_id)).state.finished:
             if job.stage:
-                bars(Progress(job.stage, job.done, job.total, job.figures))
+                left = job.ends - time.time() if job.ends else None
+                bars(Progress(job.stage, job.done, job.total, job.figures), left)
             time.sleep(POLL_SECONDS)
     if job.state != "succeeded":
         print(f"hgs: job {job_id}: {job.state.value}{': ' + job.error if job.error else ''}", file=sys.stderr)

@@ -7,11 +7,13 @@ import secrets
 import sys
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from urllib.parse import quote
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, StageStopped, interruptible
+from hgs_core.check.findings import CameraResult, CaptureCheck, Finding
+from hgs_core.check.require_sound_capture import require_sound
 from hgs_core.runs.sound_choice import NO_SOUND, OWN_SOUND, camera_of_sound
 from server.cli.capture_files import archive_ending, capture_files, opened_capture
 from server.cli.interrupts import Interrupts
@@ -22,9 +24,6 @@ from server.cli.send_capture import send_capture
 from server.cli.server_client import RefusedError, ServerClient
 from server.cli.training_options import job_settings
 from server.uploads.upload_limits import UploadLimits
-
-if TYPE_CHECKING:
-    from hgs_core.check.findings import CaptureCheck
 
 __all__ = ["submit_to_server"]
 
@@ -63,7 +62,9 @@ def submit_to_server(options: argparse.Namespace) -> int:
             bars.close()
             print(f"the capture is {capture} on the server", file=sys.stderr)
             capture = _trainable(client, capture)
-            _check(client, capture, bars, bool(settings["config"].get("capture.trust_poses")))
+            found = _checked(client, capture, bars)
+            if found is not None and not settings["config"].get("capture.trust_poses"):
+                require_sound(found, Path(capture), settings["hold_out"])
             job = _queue(client, key, {"capture": capture, "title": options.title, **settings})
             print(job["id"], flush=True)
             workers = client.request("GET", "/v1/workers").value["workers"]
@@ -136,12 +137,12 @@ def _trainable(client: ServerClient, uploaded: str) -> str:
     return str(whole[0]["capture"]) if whole else uploaded
 
 
-def _check(client: ServerClient, capture: str, bars: ProgressBars, trusted: bool) -> None:
-    """Request a check of the capture, and show its findings."""
+def _checked(client: ServerClient, capture: str, bars: ProgressBars) -> CaptureCheck | None:
+    """Return the result of a check of the capture, and show it; None if its poses are found later."""
     listed = {one["capture"]: one for one in client.request("GET", "/v1/captures").value["captures"]}
     if listed.get(capture, {}).get("layout") == "videos without poses":
         print("nothing says where the cameras stand: the job finds that out from the videos first", file=sys.stderr)
-        return
+        return None
     check = client.request("POST", "/v1/captures/check", json_body={"capture": capture}).value
     while check["state"] in ("waiting", "running"):
         bars(Progress("check", 0, 1))
@@ -152,18 +153,11 @@ def _check(client: ServerClient, capture: str, bars: ProgressBars, trusted: bool
         raise InputError("the capture", check["error"])
     found = _result(check["found"])
     print(found.table(), file=sys.stderr)
-    if found.stops and not trusted:
-        first = found.stops[0]
-        cure = f"{first.cure}; or train it all the same with --trust-poses: what was sent is not sent again"
-        raise InputError(", ".join(first.cameras) or "the capture", first.problem, cure)
+    return found
 
 
 def _result(found: dict[str, Any]) -> CaptureCheck:
-    from hgs_core.check.findings import CameraResult, CaptureCheck, Finding
-
-    findings = tuple(
-        Finding(one["stops"], tuple(one["cameras"]), one["problem"], one["cure"]) for one in found["findings"]
-    )
+    findings = tuple(Finding(**one | {"cameras": tuple(one["cameras"])}) for one in found["findings"])
     cameras = tuple(CameraResult(**one) for one in found["cameras"])
     return CaptureCheck(cameras, findings, (), tuple(found["frames"]), found["width"])
 
@@ -172,7 +166,8 @@ def _follow(client: ServerClient, job_id: str, bars: ProgressBars) -> int:
     """Draw the job's progress until it is finished; return 0 if it succeeded."""
     while (job := client.request("GET", f"/v1/jobs/{job_id}").value)["state"] in ("queued", "running", "waiting"):
         if progress := job["progress"]:
-            bars(Progress(progress["stage"], progress["done"], progress["total"], progress["figures"]))
+            left = job["ends"] and job["ends"] - time.time()
+            bars(Progress(progress["stage"], progress["done"], progress["total"], progress["figures"]), left)
         time.sleep(POLL_SECONDS)
     bars.close()
     if job["state"] != "succeeded":

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import argparse
 import sys
+import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hgs_core.base.progress import StageStopped
+from hgs_core.base.progress import Progress, StageStopped
 from hgs_core.base.writable import require_writable_folder
 from server.cli.interrupts import Interrupts
 from server.cli.progress_bars import ProgressBars
@@ -15,6 +16,7 @@ from server.cli.training_options import add_audio_option, add_masks_option, add_
 
 if TYPE_CHECKING:
     from hgs_core.check.findings import CaptureCheck
+    from hgs_core.runs.training_need import TrainingNeed
 
 __all__ = ["add_parser"]
 
@@ -39,6 +41,7 @@ def _run(options: argparse.Namespace) -> int:
         from hgs_core.render.backends import training_device
 
         training_device(config.train.backend)
+    from hgs_core.runs.remaining_time import RemainingTime
     from hgs_core.runs.stages import train_scene
 
     with Interrupts() as interrupts, ProgressBars(interrupts) as bars:
@@ -47,6 +50,17 @@ def _run(options: argparse.Namespace) -> int:
             bars.close()
             print(check.table(), file=sys.stderr)
 
+        forecast = RemainingTime(None)
+
+        def state(need: TrainingNeed) -> None:
+            nonlocal forecast
+            bars.close()
+            print(f"{options.capture} {need.sentence()}", file=sys.stderr)
+            forecast = RemainingTime(need)
+
+        def report(progress: Progress) -> None:
+            bars(progress, forecast.after(progress, time.monotonic()))
+
         try:
             train_scene(
                 options.capture,
@@ -54,8 +68,9 @@ def _run(options: argparse.Namespace) -> int:
                 config,
                 masks=options.masks,
                 audio=options.audio,
-                progress=bars,
+                progress=report,
                 checked=show,
+                needed=state,
             )
         except StageStopped:
             bars.close()

@@ -11,7 +11,7 @@ from collections.abc import Callable
 
 from server.client.received_scene import ReceivedScene
 from server.client.scene_files import AwayError, SceneFiles
-from server.scenes.scene_index import Chunk, SceneIndex, read_scene
+from server.scenes.scene_index import Chunk, SceneIndex, read_whole
 from server.stream.playhead import Playhead
 from server.stream.send_order import SendOrder
 
@@ -75,7 +75,7 @@ class SceneFetching:
             except AwayError:
                 await self._wait()
                 continue
-            if document is not None and document != json.loads(index.document):
+            if document is not None and document != json.loads(index.manifest):
                 return self._become(document)
 
     def _become(self, document: dict[str, object]) -> SceneIndex:
@@ -84,7 +84,7 @@ class SceneFetching:
         self._scene.manifests += 1
         self._scene.wire += len(text)
         self._scene.arrived()
-        return read_scene(self._scene.url, text).whole
+        return read_whole(self._scene.url, text)
 
     async def _fetch_all(self, index: SceneIndex) -> None:
         """Fetch the missing chunks, a few at a time."""

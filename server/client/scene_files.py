@@ -18,7 +18,7 @@ from server.client.received_scene import StreamRefusedError
 
 __all__ = ["AwayError", "SceneFiles"]
 
-SILENCE = 10.0  # seconds without a byte, after which a download is given up
+DOWNLOAD_SILENCE = 10.0  # seconds without a byte, after which a download is given up
 _MAY_PASS = frozenset({408, 429})
 _GZIP = b"\x1f\x8b"
 
@@ -95,7 +95,7 @@ class SceneFiles:
         if tag:
             request.add_header("If-None-Match", tag)
         try:
-            with urllib.request.urlopen(request, timeout=SILENCE) as answer:
+            with urllib.request.urlopen(request, timeout=DOWNLOAD_SILENCE) as answer:
                 return answer.read(), answer.headers.get("ETag")
         except urllib.error.HTTPError as error:
             with error:

@@ -35,7 +35,7 @@ def describe_job(job: Job) -> dict[str, Any]:
         "priority": job.priority,
         "time_limit": job.time_limit or None,
         "webhook": _origin(job.webhook) if job.webhook else None,
-        "stage_ends": (job.stage_ends or None) if job.state is JobState.RUNNING else None,
+        "ends": (job.ends or None) if job.state is JobState.RUNNING else None,
         "created": job.created,
         "updated": job.updated,
     }

@@ -8,6 +8,7 @@ from fastapi import APIRouter, Request
 from pydantic import BaseModel, ConfigDict, Field, StrictInt, StrictStr
 from starlette.concurrency import run_in_threadpool
 
+from server.access.link_lifetime import LONGEST_LINK_SECONDS
 from server.access.visitors import Visitor
 from server.http.request_body import read_json
 from server.http.site_root import site_root
@@ -18,8 +19,6 @@ __all__ = ["router"]
 
 router = APIRouter(prefix="/v1/links")
 
-LONGEST = 366 * 24 * 3600  # seconds
-
 
 class Wish(BaseModel):
     """The body of `POST /v1/links`."""
@@ -27,7 +26,7 @@ class Wish(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True)
 
     scene: StrictStr = Field(min_length=1, max_length=64)
-    seconds: StrictInt = Field(ge=1, le=LONGEST)
+    seconds: StrictInt = Field(ge=1, le=LONGEST_LINK_SECONDS)
 
 
 @router.post("", status_code=201)

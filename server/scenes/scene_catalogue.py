@@ -1,6 +1,6 @@
 """Catalogue of published scenes: descriptions for the list, and cached indices for streams.
 
-A complete scene never changes, so each manifest is read once; a scene that has grown, or was removed and
+A complete scene never changes, so each description is read once; a scene that has grown, or was removed and
 published again, has another version. A renamed scene costs one read of its title.
 """
 
@@ -17,7 +17,6 @@ from typing import Any
 from starlette.concurrency import run_in_threadpool
 
 from hgs_core.base.errors import InputError
-from hgs_core.codec.format.paging import PagedScene
 from jobs.artifacts.artifact_store import SceneEntry
 from server.http.encodable import encodable
 from server.http.problems import ProblemError
@@ -26,8 +25,6 @@ from server.scenes.scene_index import SceneIndex, read_scene
 
 __all__ = ["SceneCatalogue", "unknown_scene"]
 
-_LONG = 64 << 10  # bytes of a manifest: shorter ones are read faster than another object of the store
-_INDICES = 64  # cached indices, besides those of open streams
 
 log = logging.getLogger("hgs.server")
 
@@ -49,14 +46,18 @@ class _Known:
 class SceneCatalogue:
     """Scenes of a store. `scenes` is for an event loop; other methods block and are thread-safe."""
 
-    def __init__(self, artifacts: Artifacts, jobs: Jobs) -> None:
-        """Describe the scenes of `artifacts`, with the titles of their jobs in `jobs`."""
+    def __init__(self, artifacts: Artifacts, jobs: Jobs, capacity: int = 128 << 20) -> None:
+        """Describe the scenes of `artifacts`, with the titles of their jobs in `jobs`.
+
+        `capacity` is the memory of the cached indices, in bytes, besides those of open streams.
+        """
         self._artifacts = artifacts
         self._jobs = jobs
         self._known: dict[str, _Known] = {}
         self._unreadable: set[str] = set()  # unreadable scenes of the last scan; each is logged once
         self._indices: OrderedDict[str, tuple[str, SceneIndex]] = OrderedDict()  # versions and indices, by id
         self._indices_lock = threading.Lock()
+        self._capacity = capacity
         self._one_look = asyncio.Lock()
         self._next_look: asyncio.Task[list[dict[str, Any]]] | None = None
 
@@ -108,8 +109,9 @@ class SceneCatalogue:
         with self._indices_lock:
             self._indices[scene_id] = entry.version, index
             self._indices.move_to_end(scene_id)
-            if len(self._indices) > _INDICES:
-                self._indices.popitem(last=False)
+            size = sum(kept.memory for _, kept in self._indices.values())
+            while size > self._capacity and len(self._indices) > 1:
+                size -= self._indices.popitem(last=False)[1][1].memory
         return index
 
     async def _look(self) -> list[dict[str, Any]]:
@@ -143,20 +145,22 @@ class SceneCatalogue:
         if given and before is not None and before.version == entry.version:
             return replace(before, renamed=entry.renamed, description=before.description | {"title": encodable(given)})
         try:
-            scene = self._read(entry)
+            scene = self._artifacts.describe(entry)
         except InputError as error:
             log.warning("scene %s is left out of the list: %s", entry.id, error)
             return _Known(entry.version, entry.renamed, {}, str(error))
+        if scene is None:
+            raise unknown_scene(entry.id)
         description = {
-            "id": scene.scene_id,
-            "title": given or titles.get(entry.id) or scene.title or scene.scene_id,
+            "id": entry.id,
+            "title": given or titles.get(entry.id) or scene.title or entry.id,
             "created": entry.published.timestamp(),
             "start": scene.start,
             "end": scene.end,
             "bytes_total": scene.bytes_total,
             "splats_static": scene.splats_static,
             "splats_dynamic": scene.splats_dynamic,
-            "live": scene.live is not None,
+            "live": scene.live,
         }
         return _Known(entry.version, entry.renamed, encodable(description))
 
@@ -174,8 +178,7 @@ class SceneCatalogue:
         manifest = self._artifacts.manifest(entry.id)
         if manifest is None:
             raise unknown_scene(entry.id)
-        ready = self._artifacts.pages(entry.id) if len(manifest) >= _LONG else None
-        return read_scene(entry.id, manifest, None if ready is None else PagedScene.unpacked(ready, manifest))
+        return read_scene(entry.id, manifest, self._artifacts.pages(entry.id, manifest))
 
 
 def unknown_scene(scene_id: str) -> ProblemError:

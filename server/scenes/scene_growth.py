@@ -21,6 +21,8 @@ def is_later(scene: SceneIndex, earlier: SceneIndex) -> bool:
     """
     place = len(earlier.pages) - 1
     if not 0 <= place < len(scene.pages):
+        if not scene.document or not earlier.document:  # a long scene never becomes a short one
+            return False
         return _manifest_continues(scene.document, earlier.document)
     return _index_continues(scene.manifest, earlier.manifest, _page(scene, place), _page(earlier, place))
 

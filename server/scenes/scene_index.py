@@ -3,24 +3,25 @@
 from __future__ import annotations
 
 import hashlib
-import json
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 
-from hgs_core.base.errors import InputError
 from hgs_core.codec.format.layers import SLICE_PART, STATIC_PART, layers
 from hgs_core.codec.format.manifest import ChunkEntry, Manifest
-from hgs_core.codec.format.manifest_reading import read_manifest
+from hgs_core.codec.format.manifest_reading import parse_manifest
 from hgs_core.codec.format.paged_manifest import PagedManifest, read_index
 from hgs_core.codec.format.pages import Columns, read_columns
-from hgs_core.codec.format.paging import PagedScene, paged
+from hgs_core.codec.format.paging import WHOLE, PagedScene, paged
 from server.scenes.slice_queue import SliceQueue
 
-__all__ = ["Chunk", "SceneIndex", "Slice", "read_scene"]
+__all__ = ["Chunk", "SceneIndex", "Slice", "read_scene", "read_whole"]
 
 
-@dataclass(frozen=True)
+_CHUNK_MEMORY = 600  # bytes of a chunk's entries in all tables, as tracemalloc counts them
+
+
+@dataclass(frozen=True, slots=True)
 class Chunk:
     """A manifest's entry of a chunk."""
 
@@ -57,29 +58,18 @@ class SceneIndex:
     """
 
     scene_id: str
-    title: str
     manifest: bytes  # the bytes of index.hgs, which clients receive
     start: float  # seconds
     end: float
     static: tuple[Chunk, ...]  # layer order
     slices: tuple[Slice, ...]  # time order
-    splats_static: int
-    splats_dynamic: int
     live: int | None = None  # number of a growing scene's manifest; None: the scene is complete
     sounds: tuple[Slice, ...] = ()  # pieces of sound by time, one chunk each
     pages: tuple[Slice, ...] = ()  # pages of the manifest by time, one chunk each
     page_bytes: Mapping[bytes, bytes] = field(default_factory=dict)  # contents of the pages, by id
     page_chunks: Mapping[bytes, tuple[bytes, ...]] = field(default_factory=dict)  # chunk ids listed in the pages, by id
-    document: bytes = b""  # the exact bytes of manifest.json
+    document: bytes = b""  # manifest.json of a short scene; none of a long one, the pages of which hold it
     poster_shape: float | None = None  # width / height of the first camera, if there is a thumbnail
-
-    @cached_property
-    def whole(self) -> SceneIndex:
-        """The same scene without pages, for a client that fetches manifest.json."""
-        slices = self.slices
-        if self.pages:
-            slices = tuple(Slice(piece.start, piece.end, piece.chunks[1:]) for piece in slices)
-        return replace(self, manifest=self.document, slices=slices, pages=(), page_bytes={}, page_chunks={})
 
     @cached_property
     def chunk_ids(self) -> frozenset[str]:
@@ -108,9 +98,11 @@ class SceneIndex:
         return SliceQueue([piece.end for piece in self.slices])
 
     @property
-    def bytes_total(self) -> int:
-        """Size of the whole scene: its chunks and its manifest, bytes."""
-        return sum(self.stored.values()) - sum(map(len, self.page_bytes.values())) + len(self.document)
+    def memory(self) -> int:
+        """Memory of the index after all of it was used, estimated, bytes."""
+        listed = sum(map(len, self.page_chunks.values())) or sum(len(piece.chunks) for piece in self.slices)
+        contents = len(self.manifest) + len(self.document) + sum(map(len, self.page_bytes.values()))
+        return contents + _CHUNK_MEMORY * (listed + len(self.static))
 
     def alive(self, time: float) -> list[int]:
         """Return the indices of the slices shown at `time`, in seconds."""
@@ -123,23 +115,22 @@ class SceneIndex:
 
 
 def read_scene(scene_id: str, manifest: bytes, ready: PagedScene | None = None) -> SceneIndex:
-    """Build the index of a scene from its manifest, or from pages split earlier.
+    """Build the index of a scene from its manifest, or from pages split earlier if there are any.
 
     Raises:
         InputError: the manifest is invalid or of an unsupported version.
     """
-    if ready is None:
-        document, described = _described(scene_id, manifest)
+    if ready is None or not ready.pages:
+        document, described = parse_manifest(manifest, f"manifest of scene {scene_id}")
         ready = paged(described, document)
         if not ready.pages:
             return _short(scene_id, manifest, ready.index, described)
     index = read_index(ready.index, f"index of scene {scene_id}")
     header = PagedManifest(index, f"index of scene {scene_id}")
     rows = [(entry, read_columns(data)) for entry, data in zip(header.pages, ready.pages.values(), strict=True)]
-    totals = index["manifest"]["totals"]
+    moving = sum(len(columns.chunk_bytes) for _, columns in rows)
     return SceneIndex(
         scene_id=scene_id,
-        title=header.manifest.title,
         manifest=ready.index,
         start=header.manifest.start,
         end=header.manifest.end,
@@ -147,8 +138,6 @@ def read_scene(scene_id: str, manifest: bytes, ready: PagedScene | None = None) 
         slices=tuple(
             piece for entry, columns in rows for piece in _slices(Chunk(bytes.fromhex(entry.id), entry.bytes), columns)
         ),
-        splats_static=totals["splats_static"],
-        splats_dynamic=totals["splats_dynamic"],
         live=header.manifest.live,
         sounds=tuple(
             Slice(start, end, (Chunk(name, size),))
@@ -163,9 +152,18 @@ def read_scene(scene_id: str, manifest: bytes, ready: PagedScene | None = None) 
         ),
         page_bytes={bytes.fromhex(name): data for name, data in ready.pages.items()},
         page_chunks={bytes.fromhex(entry.id): tuple(columns.ids) for entry, columns in rows},
-        document=manifest,
+        document=manifest if moving <= WHOLE else b"",
         poster_shape=_poster_shape(header.manifest),
     )
+
+
+def read_whole(scene_id: str, manifest: bytes) -> SceneIndex:
+    """Build the index of a scene without pages, for a client that fetches manifest.json.
+
+    Raises:
+        InputError: the manifest is invalid or of an unsupported version.
+    """
+    return _short(scene_id, manifest, manifest, parse_manifest(manifest, f"manifest of scene {scene_id}")[1])
 
 
 def _poster_shape(manifest: Manifest) -> float | None:
@@ -174,20 +172,10 @@ def _poster_shape(manifest: Manifest) -> float | None:
     return manifest.cameras[0].width / manifest.cameras[0].height
 
 
-def _described(scene_id: str, manifest: bytes) -> tuple[Mapping[str, object], Manifest]:
-    where = f"manifest of scene {scene_id}"
-    try:
-        document = json.loads(manifest)
-    except (ValueError, RecursionError) as error:
-        raise InputError(where, f"is not JSON: {error}") from error
-    return document, read_manifest(document, where)
-
-
 def _short(scene_id: str, manifest: bytes, index: bytes, described: Manifest) -> SceneIndex:
     moving = {entry.id: chunk for piece in described.slices for entry, chunk in _named(piece.chunks)}
     return SceneIndex(
         scene_id=scene_id,
-        title=described.title,
         manifest=index,
         start=described.start,
         end=described.end,
@@ -196,8 +184,6 @@ def _short(scene_id: str, manifest: bytes, index: bytes, described: Manifest) ->
             Slice(piece.start, piece.end, tuple(moving[name] for name in (*piece.needs, *(c.id for c in piece.chunks))))
             for piece in described.slices
         ),
-        splats_static=described.totals.splats_static,
-        splats_dynamic=described.totals.splats_dynamic,
         live=described.live,
         sounds=tuple(
             Slice(piece.start, piece.end, (Chunk(bytes.fromhex(piece.id), piece.bytes),))

@@ -14,10 +14,10 @@ from server.protocol.messages import MAX_PAYLOAD
 from server.scenes.scene_index import Chunk, SceneIndex, Slice
 from server.scenes.slice_queue import SliceQueue
 
-__all__ = ["AHEAD", "COMPLETE", "Mark", "SendOrder"]
+__all__ = ["COMPLETE", "Mark", "SendOrder"]
 
-PAGES_AHEAD = 12.0  # playing time for which pages of the manifest are sent before the chunks they list
-AHEAD = (3.0, 8.0, math.inf)  # playing times for which base layers and then refinements are sent, in turn
+PAGES_SENT_AHEAD = 12.0  # playing time for which pages of the manifest are sent before the chunks they list
+SENT_AHEAD = (3.0, 8.0, math.inf)  # playing times for which base layers and then refinements are sent, in turn
 COMPLETE = 1  # layer of a mark: 1 means all layers, 0 the base
 
 
@@ -105,12 +105,12 @@ class SendOrder:
         if base is not None and base[0] <= 0:
             return base[1]
         page = self._next_piece(self._scene.pages, self._pages, time)
-        if page is not None and page[0] <= PAGES_AHEAD * speed:
+        if page is not None and page[0] <= PAGES_SENT_AHEAD * speed:
             return page[1]
         sound = self._next_piece(self._scene.sounds, self._sounds, time)
         if sound is not None and page is not None and sound[0] >= page[0]:
             sound = None  # the client needs the page first, which lists it
-        for ahead in AHEAD:
+        for ahead in SENT_AHEAD:
             if base is not None and base[0] <= ahead * speed:
                 return base[1]
             if sound is not None and sound[0] <= ahead * speed:

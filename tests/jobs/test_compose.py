@@ -17,7 +17,7 @@ from composition import DATABASE, FILE, SECRETS, Composition, substituted
 from postgres_server import PostgresServer
 from s3_server import running_s3_server
 
-from jobs.home import home
+from jobs.home.stage_limits import StageLimits
 from jobs.process.process_tree import THREADS_EACH
 from tests.test_configuration_page import variables
 
@@ -108,8 +108,8 @@ def test_logs_do_not_grow_without_end() -> None:
 def test_processes_and_files_of_ours_are_bounded_beyond_what_stages_may_have() -> None:
     for service in OURS:
         found = services()[service]
-        assert int(found["pids_limit"]) > home.PROCESSES.of("train") * THREADS_EACH
-        assert found["ulimits"]["nofile"] > home.FILES.of("train")
+        assert int(found["pids_limit"]) > StageLimits().processes.of("train") * THREADS_EACH
+        assert found["ulimits"]["nofile"] > StageLimits().files.of("train")
         assert found["ulimits"]["core"] == 0
         assert found["init"] is True  # or those that lost their parent would count for ever
     assert services(HGS_PIDS="50000")["worker"]["pids_limit"] == 50000

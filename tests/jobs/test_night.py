@@ -36,6 +36,7 @@ from small_disk import small_disk
 
 from jobs.artifacts.artifact_store import ArtifactStore
 from jobs.home.home import Home
+from jobs.home.stage_limits import StageLimits
 from jobs.home.stage_settings import StageSeconds
 from jobs.queue.client import JobClient
 from jobs.records.job import JobState
@@ -69,7 +70,7 @@ def home(disk: Path, store: FlakyProxy, server: PostgresServer) -> Home:
         pipeline="counting_pipeline",
         database_url=server.new_database(),
         store_url="s3://bucket/night",
-        stage_silence=StageSeconds(20.0),
+        limits=StageLimits(StageSeconds(20.0)),
     )
 
 

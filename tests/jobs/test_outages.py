@@ -14,6 +14,7 @@ from small_disk import small_disk
 from hgs_core.runs.run_folder import RunFolder
 from jobs.artifacts.artifact_store import ArtifactStore
 from jobs.home.home import Home
+from jobs.home.passing_faults import Cause
 from jobs.queue.client import JobClient
 from jobs.queue.enqueue import enqueue
 from jobs.records.job import Job, JobState
@@ -83,7 +84,7 @@ def test_a_job_that_waits_for_hours_goes_on_when_its_capture_is_seen(
     client.cancel(job_id)
     with client._engine.begin() as connection:
         client._table.requeue(connection, job_id, 1)
-        client._table.put_off(connection, job_id, 2, "the capture cannot be reached", "capture")
+        client._table.put_off(connection, job_id, 2, "the capture cannot be reached", Cause.CAPTURE)
         enqueue(client._queue, connection, job_id, 3, delay=7200.0, waits=12)
     worker()
     assert wait_for(job_id, finished, "the end of the job").state is JobState.SUCCEEDED

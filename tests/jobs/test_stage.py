@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import os
 import signal
@@ -15,6 +16,9 @@ import pytest
 from hgs_core.runs.run_config import RunConfig
 from hgs_core.runs.run_folder import RunFolder
 from jobs.home.home import Home
+from jobs.home.stage_limits import StageLimits
+from jobs.home.stage_settings import StageBytes
+from tests.conftest import REPOSITORY
 
 Stage = subprocess.Popen[bytes]
 Poll = Callable[[Callable[[], bool], str], None]
@@ -187,3 +191,21 @@ def test_publish_puts_the_scene_under_the_name_of_the_run(
     for stage in ("initialise", "train", "encode", "publish"):
         assert finish(start(stage, run))[0] == 0
     assert ArtifactStore(home.store_url).manifest("run") == (run / "scene" / "manifest.json").read_bytes()
+
+
+def test_a_job_that_needs_more_than_a_later_stage_may_take_is_refused_before_any_work(
+    home: Home, tmp_path: Path
+) -> None:
+    from hgs_core.runs.stages import create_run
+
+    create_run(tmp_path / "run", REPOSITORY / "samples" / "studio", RunConfig.for_preset("preview"))
+    limits = StageBytes(64e9, (("train", 1e8),))
+    home = dataclasses.replace(home, pipeline="hgs_core.runs.stages", limits=StageLimits(memory=limits))
+    command = [sys.executable, "-m", "jobs.stage", "initialise", str(tmp_path / "run")]
+    environment = {**os.environ, **home.environment(), "HGS_MEMORY_MIB": "65536"}
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=environment) as process:
+        assert process.stdout is not None
+        (told,) = map(json.loads, process.stdout)
+        assert process.wait() == 2
+    assert "of memory, and 0.1 GiB are what HGS_STAGE_MEMORY gives to train" in told["error"]
+    assert not (tmp_path / "run" / "check.json").exists()

@@ -13,11 +13,11 @@ import pytest
 from hgs_core.runs.run_config import RunConfig
 from hgs_core.runs.stages import create_run
 from jobs.home.home import Home
-from jobs.stage import DONE, STOPPED
+from jobs.process.stage_outcome import ExitStatus
 from tests.synthetic import write_capture
 
 REPORTS = {
-    "initialise": ("check", "masks", "points"),
+    "initialise": ("check", "frames", "masks", "points"),
     "train": ("train",),
     "encode": ("encode",),
     "publish": ("publish",),
@@ -42,7 +42,8 @@ for name, parts in reports.items():
         for number in (signal.SIGTERM, signal.SIGINT):
             asked.append((part, number))
             status = stage.main([name, run])
-            files = {path.name: path.stat().st_mtime_ns for path in Path(run).iterdir() if path.is_file()}
+            paths = [path for path in Path(run).rglob("*") if path.is_file()]
+            files = {str(path.relative_to(run)): path.stat().st_mtime_ns for path in paths}
             told.append({"part": part, "status": status, "asked": len(asked), "files": files})
     told.append({"part": name, "status": stage.main([name, run])})
 result.write_text(json.dumps(told))
@@ -72,14 +73,16 @@ def test_every_stage_can_be_stopped_and_goes_on(home: Home, tmp_path: Path) -> N
     told = json.loads((tmp_path / "told.json").read_text())
     expected = []
     for name, parts in REPORTS.items():
-        expected += [(part, STOPPED) for part in parts for _ in range(2)] + [(name, DONE)]
+        expected += [(part, ExitStatus.STOPPED) for part in parts for _ in range(2)] + [(name, ExitStatus.DONE)]
     assert [(one["part"], one["status"]) for one in told] == expected
     assert not any(one.get("asked") for one in told)
-    assert errors.count("was asked to stop, and has saved what it needs to go on") == 12
+    assert errors.count("was asked to stop, and has saved what it needs to go on") == 2 * sum(
+        map(len, REPORTS.values())
+    )
     for words in ("Traceback", "Aborted", "stack trace"):
         assert words not in errors
     files = [one["files"] for one in told if "files" in one]
-    for name in ("check.json", "masks.npz", "points.npz", "train.json", "scene.npz"):
+    for name in ("check.json", "masks/0.masks", "points/near.json", "train.json", "scene.npz"):
         assert len({one.get(name) for one in files} - {None}) == 1, f"{name} was made again"
     assert (run / "scene" / "manifest.json").exists()
     assert not list(run.glob(".*.tmp"))

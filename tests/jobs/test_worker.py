@@ -13,6 +13,7 @@ import pytest
 from hgs_core.runs.run_config import RunConfig
 from jobs.artifacts.artifact_store import ArtifactStore
 from jobs.home.home import Home
+from jobs.home.stage_limits import StageLimits
 from jobs.home.stage_settings import STAGES, StageBytes, StageSeconds
 from jobs.process.memory_limit import CURE
 from jobs.queue.client import JobClient
@@ -127,7 +128,7 @@ def test_a_stage_that_is_always_killed_fails_the_job(
 def test_a_memory_hog_ends_alone(
     client: JobClient, submit: Callable[..., str], worker: Callable[..., Worker], wait_for: WaitFor
 ) -> None:
-    process = worker(stage_memory=StageBytes.parse("LIMIT", "8G,train=1G"))
+    process = worker(limits=StageLimits(memory=StageBytes.parse("LIMIT", "8G,train=1G")))
     job = wait_for(submit(iterations=20, behaviour="hog"), finished, "the failure")
     assert job.state is JobState.FAILED
     assert job.error.startswith("out of memory: Unable to allocate 64.0 MiB")
@@ -140,7 +141,7 @@ def test_a_memory_hog_ends_alone(
 def test_a_stage_that_hangs_is_started_again(
     home: Home, client: JobClient, submit: Callable[..., str], worker: Callable[..., Worker], wait_for: WaitFor
 ) -> None:
-    worker(stage_silence=StageSeconds(5.0))
+    worker(limits=StageLimits(StageSeconds(5.0)))
     job = wait_for(submit(iterations=20, behaviour="hang once"), finished, "the end of the job")
     assert (job.state, job.attempt) == (JobState.SUCCEEDED, 1)
     assert iterations(client, job.id) == [*range(11), *range(10, 20)]

@@ -18,8 +18,11 @@ from fastapi import FastAPI
 
 from hgs_core.base.progress import Progress, ProgressCallback
 from hgs_core.codec.format.layers import SLICE_PART, STATIC_PART, layers
+from hgs_core.codec.format.manifest_reading import parse_manifest
+from hgs_core.codec.format.paging import PagedScene
 from hgs_core.codec.format.scene_folder import load_manifest
 from jobs.artifacts.artifact_store import SceneEntry
+from jobs.artifacts.scene_description import SceneDescription
 from jobs.home.home import Home
 from jobs.queue.client import JobConflictError
 from jobs.queue.job_request import JobRequest
@@ -55,15 +58,12 @@ def make_scene() -> Callable[[Sequence[int], Sequence[SliceSpec]], SceneIndex]:
         )
         return SceneIndex(
             scene_id="studio",
-            title="Studio",
             manifest=b'{"a": "manifest"}',
             document=b'{"a": "manifest"}',
             start=min((s for s, _, _ in slices), default=0.0),
             end=max((e for _, e, _ in slices), default=0.0),
             static=chunks("static", static, STATIC_PART),
             slices=pieces,
-            splats_static=0,
-            splats_dynamic=0,
             sounds=tuple(
                 Slice(begin, until, chunks(f"sound {i}", [size], SLICE_PART))
                 for i, (begin, until, size) in enumerate(sounds)
@@ -192,7 +192,11 @@ class FakeArtifacts:
     def manifest(self, scene_id: str) -> bytes | None:
         return self.manifests.get(scene_id)
 
-    def pages(self, scene_id: str) -> bytes | None:
+    def describe(self, entry: SceneEntry) -> SceneDescription | None:
+        manifest = self.manifests.get(entry.id)
+        return None if manifest is None else SceneDescription.of(parse_manifest(manifest)[0], len(manifest))
+
+    def pages(self, scene_id: str, manifest: bytes) -> PagedScene | None:
         return None
 
     def thumbnail(self, scene_id: str) -> bytes | None:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import httpx
+import pytest
 
 from jobs.home.home import Home
 from server.app import create_app
@@ -50,6 +51,29 @@ def test_api_process_never_imports_torch_or_what_opens_captures(tmp_path: Path, 
     )
     assert process.returncode == 0, process.stderr
     assert process.stdout.strip() == ""
+
+
+def test_no_request_is_told_to_a_tracer_of_the_process(
+    tmp_path: Path, server: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Addresses of links hold tokens, and the web framework traces requests unless it is told not to."""
+    asked: list[str] = []
+
+    class Recorder:
+        def __getattr__(self, name: str) -> Any:
+            asked.append(name)
+            raise AttributeError(name)
+
+    for signal, provider in (("trace", "tracer"), ("metrics", "meter"), ("_logs", "logger")):
+        monkeypatch.setattr(f"opentelemetry.{signal}.get_{provider}_provider", Recorder)
+    app = create_app(Home.at(tmp_path), job_client=server.jobs, artifacts=server.artifacts)
+
+    async def status() -> int:
+        async with httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url="http://localhost") as client:
+            return (await client.get("/healthz?link=secret")).status_code
+
+    assert asyncio.run(status()) == 200
+    assert asked == []
 
 
 def test_allowed_origins_may_read_and_not_write(tmp_path: Path, server: Any) -> None:

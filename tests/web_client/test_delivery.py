@@ -30,11 +30,11 @@ def test_page_of_a_scene_asks_for_all_scripts_at_once_and_gets_them_compressed(b
         finally:
             page.close()
         asked = [path for path in relay.requests if not path.startswith("/v1/")]
-        received = sum(relay.received[path] for path in asked)
     assert relay.overdue == []  # the page itself names the worker, whose name view_page has
     scripts = [path for path in asked if path.startswith("/assets/")]
     assert sorted(scripts) == sorted(set(scripts))  # the worker, too, comes once
     whole = sum((VIEWER / path.lstrip("/")).stat().st_size for path in scripts)
+    received = sum(relay.received[path] for path in scripts)
     assert received < 0.45 * whole
 
 

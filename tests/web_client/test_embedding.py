@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import re
 import shutil
-import subprocess
-import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -154,94 +151,6 @@ def served_picture(browser: Browser, site: Site) -> np.ndarray:
     address = f"{site.page}?camera=side&t=0.4&width={WIDTH}&height={HEIGHT}&paused=1&exact=1"
     with open_viewer(browser, address, width=WIDTH, height=HEIGHT) as page:
         return canvas_pixels(page)
-
-
-@pytest.mark.slow
-def test_the_packed_package_plays_in_an_empty_project_on_a_plain_web_server(
-    browser: Browser, site: Site, served_picture: np.ndarray, tmp_path: Path
-) -> None:
-    """Ten lines of HTML, `npm install` of the tarball, `python -m http.server`."""
-    npm = shutil.which("npm")
-    if npm is None or not (REPOSITORY / "web_client" / "node_modules").is_dir():
-        pytest.skip("needs npm and web_client/node_modules")
-    pack = [npm, "pack", "--silent", "--pack-destination", str(tmp_path)]
-    packed = subprocess.run(pack, cwd=REPOSITORY / "web_client", check=True, capture_output=True, text=True)
-    tarball = tmp_path / packed.stdout.split()[-1]
-    project = tmp_path / "project"
-    project.mkdir()
-    (project / "package.json").write_text('{"name": "page", "private": true}')
-    install = [npm, "install", "--offline", "--no-audit", "--no-fund", str(tarball)]
-    subprocess.run(install, cwd=project, check=True, capture_output=True)
-    assert sorted(path.name for path in (project / "node_modules").iterdir() if path.name[0] != ".") == ["@hgs"]
-    shutil.copytree(site.folder, project / "clouds")
-    element = player('time="0.4" camera="side"')
-    script = '<script type="module" src="node_modules/@hgs/player/dist/element.js"></script>'
-    (project / "index.html").write_text(HEAD + script + element)
-    (project / "module.html").write_text(
-        HEAD
-        + f"""<div id="stage" style="width: {WIDTH}px; height: {HEIGHT}px"></div><script type="module">
-          import {{ createPlayer }} from "./node_modules/@hgs/player/dist/index.js";
-          window.heard = [];
-          const src = "clouds/";
-          const player = createPlayer(document.getElementById("stage"), {{ src, time: 0.4, camera: "side" }});
-          for (const type of ["loadstart", "manifest", "firstpicture", "ready", "seeked", "play", "pause"])
-            player.addEventListener(type, () => heard.push(type));
-          player.addEventListener("ready", () => {{ window.hgs = player }});
-        </script>"""
-    )
-    command = [sys.executable, "-u", "-m", "http.server", "0", "--bind", "127.0.0.1", "--directory", str(project)]
-    server = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
-    page = browser.new_page()
-    try:
-        assert server.stdout is not None
-        port = re.search(r"port (\d+)", server.stdout.readline())
-        assert port is not None
-        page.goto(f"http://127.0.0.1:{port[1]}/")
-        wait_for_picture(page)
-        assert np.array_equal(pixels(page), served_picture)
-        page.goto(f"http://127.0.0.1:{port[1]}/module.html")
-        page.wait_for_function("() => window.hgs")
-        assert np.array_equal(canvas_pixels(page), served_picture)
-        page.evaluate("async () => { hgs.play(); await hgs.seek(1.2); hgs.pause(); await hgs.seek(1.2) }")
-        heard = page.evaluate("() => heard")
-        assert [type for type in heard if type != "seeked"][:4] == ["manifest", "firstpicture", "ready", "play"]
-        size = page.evaluate("async () => (await createImageBitmap(await hgs.screenshot())).width")
-        assert size == WIDTH
-        page.evaluate("() => hgs.dispose()")
-        assert page.evaluate("() => document.getElementById('stage').childElementCount") == 0
-    finally:
-        page.close()
-        server.terminate()
-        server.communicate(timeout=30)
-
-
-def test_declarations_of_the_package_are_those_of_its_scripts(tmp_path: Path) -> None:
-    """A program in strict TypeScript that finds modules as Node does."""
-    client = REPOSITORY / "web_client"
-    npm = shutil.which("npm")
-    if npm is None or not (client / "node_modules").is_dir():
-        pytest.skip("needs npm and web_client/node_modules")
-    subprocess.run([npm, "run", "--silent", "build:package"], cwd=client, check=True, capture_output=True)
-    shutil.copytree(client / "dist", tmp_path / "node_modules" / "@hgs" / "player" / "dist")
-    shutil.copy(client / "package.json", tmp_path / "node_modules" / "@hgs" / "player")
-    (tmp_path / "package.json").write_text('{"type": "module"}')
-    (tmp_path / "page.ts").write_text(
-        """
-        import { createPlayer, HgsPlayer, type Viewing } from "@hgs/player";
-        import "@hgs/player/element";
-        const player: HgsPlayer = createPlayer(document.body, { src: "a/", loop: true });
-        player.addEventListener("error", ({ detail }) => { const words: string = detail.message; console.log(words); });
-        const view: Viewing | null = player.camera.view;
-        const element = document.createElement("hgs-player");
-        element.playbackRate = view ? 2 : 1;
-        // @ts-expect-error times are numbers
-        element.currentTime = "1";
-        """
-    )
-    options = ["--module", "nodenext", "--target", "es2022", "--strict", "--noEmit", "--types", "", "--lib"]
-    compiler = [str(client / "node_modules" / ".bin" / "tsc"), *options, "es2022,dom,dom.iterable", "page.ts"]
-    done = subprocess.run(compiler, cwd=tmp_path, capture_output=True, text=True)
-    assert done.returncode == 0, done.stdout
 
 
 def test_a_folder_that_hgs_publish_writes_plays_by_itself(browser: Browser, site: Site, tmp_path: Path) -> None:

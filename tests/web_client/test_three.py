@@ -25,6 +25,7 @@ from benchmarks.viewers.browser import psnr
 from hgs_core.codec import load_manifest
 from tests.web_client.clicking_scene import FARTHEST, TAP, ahead, publish_clicks
 from tests.web_client.conftest import BACKGROUND, HEIGHT, REPOSITORY, WIDTH
+from tests.web_client.sparse_scene import AROUND, camera_at, encode_room, green, red
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
@@ -74,6 +75,7 @@ def address(site: Site, tmp_path_factory: pytest.TempPathFactory) -> Iterator[st
     (folder / "node_modules" / "three").symlink_to(client / "node_modules" / "three")
     (folder / "examples").symlink_to(client / "examples")
     (folder / "clouds").symlink_to(site.folder)
+    encode_room(folder / "room", AROUND)
     (folder / "three_host.js").symlink_to(Path(__file__).with_name("three_host.js"))
     (folder / "index.html").write_text(PAGE)
     handler = functools.partial(Files, directory=str(folder))
@@ -191,6 +193,24 @@ def test_splats_alone_are_the_reference_picture(
         page.evaluate("() => host.renderer.setClearColor(new THREE.Color(0.1, 0.2, 0.3), 1)")
         assert psnr(floats(page), truth) >= FLOAT_PSNR
         assert psnr(floats(page, offset=40), truth) >= FLOAT_PSNR
+
+
+def test_the_room_of_a_sparse_rig_fades_as_in_the_player(browser: Browser, address: str) -> None:
+    with hosting(browser, address, background=(0, 0, 0)) as page:
+        look(page, camera_at(0))
+        add_splats(page, src="/room/manifest.json")
+        settle(page)
+        assert page.evaluate("() => host.splats.subjectOnly")
+        assert green(canvas(page)) == 0
+        page.evaluate("() => { host.splats.subjectOnly = false }")
+        assert green(canvas(page)) > 0.5
+        look(page, camera_at(60))
+        settle(page)
+        assert green(canvas(page)) == 0
+        assert red(canvas(page)) > 0.03
+        look(page, camera_at(120))
+        settle(page)
+        assert green(canvas(page)) > 0.5
 
 
 def test_a_scene_that_is_moved_turned_and_scaled_is_the_same_picture_to_a_camera_that_is_too(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from hgs_core.base.cores import core_count
 from hgs_core.base.errors import InputError
 from hgs_core.bench.raster.raster_sizes import DEFAULT_SIZES, Size
 from hgs_core.native import library
@@ -79,7 +80,7 @@ class BenchSettings:
             )
         return BenchSettings(
             sizes=sizes,
-            threads=threads or tuple(sorted({1, library.thread_count()})),
+            threads=threads or tuple(sorted({1, core_count()})),
             backends=backends,
             truth=truth,
             seconds=seconds,

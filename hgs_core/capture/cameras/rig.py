@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -104,6 +105,14 @@ class Rig:
     rate: float | None = None  # frames per second of pictures in folders, where the format has one
     notes: tuple[str, ...] = ()  # omissions, for people
     stamps_in_seconds: bool = False  # whether the cameras' stamps are seconds
+    mirrored: bool = False  # whether all poses were reflections, and x of the world was turned
+
+    def digest(self) -> str:
+        """Return the SHA-256 of the sources' content."""
+        digest = hashlib.sha256()
+        for file in self.files:
+            digest.update(file.read_bytes())
+        return digest.hexdigest()
 
 
 @dataclass(frozen=True)

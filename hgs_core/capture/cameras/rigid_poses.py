@@ -1,4 +1,4 @@
-"""Poses as files have them become rotations and translations: a uniform scale is taken out, a mirror is refused."""
+"""Poses as files have them become rotations and translations: a uniform scale and a left-handed world are undone."""
 
 from __future__ import annotations
 
@@ -11,22 +11,27 @@ from hgs_core.base.errors import InputError
 from hgs_core.base.wording import counted
 from hgs_core.capture.cameras.rig import CalibratedCamera, Rig
 
-__all__ = ["with_rigid_poses"]
+__all__ = ["MIRROR", "with_rigid_poses"]
+
+MIRROR = np.diag((-1.0, 1.0, 1.0, 1.0))
+"""The mirror of a world: of x, which is up in none."""
 
 _ORTHONORMAL = 1e-3  # tolerance of `Camera` on products of the rotation's rows
 _LARGEST_SCALE = 1e6  # and its inverse: what lies beyond is damage
+_MOST_NAMED = 6  # cameras that a message lists
 
 
 def with_rigid_poses(rig: Rig) -> Rig:
-    """Return the rig with poses that turn and move only, and a note of the scale that was taken out.
+    """Return the rig with poses that turn and move only, and notes of the scale and the mirror that were taken out.
 
     A pose that scales all axes alike shows every point in the same pixel as the pose without the scale: world to camera
     [s R | t] is [R | t / s].
 
     Raises:
-        InputError: a pose mirrors, or is no rotation at any scale.
+        InputError: some poses mirror and some do not, or a pose is no rotation at any scale.
     """
     scales = [_scale(camera) for camera in rig.cameras]
+    rig = _right_handed(rig)
     if all(scale == 1.0 for scale in scales):
         return rig
     cameras = [
@@ -54,13 +59,22 @@ def _scale(camera: CalibratedCamera) -> float:
             if np.ptp(lengths) > _ORTHONORMAL * max(scale, 1e-9):
                 problem = f"the rotation of its pose is none: its rows have the lengths {rows}, not one"
             raise InputError(camera.where, problem, "export the poses again without shear or scale of single axes")
-    if np.linalg.det(turn) < 0:
-        cure = (
-            "export with right-handed axes; of a left-handed world (Unity, Unreal), negate the third row of every"
-            " camera-to-world matrix, or the third column of every world-to-camera matrix"
-        )
-        raise InputError(camera.where, "its pose is a reflection, which mirrors the scene", cure)
     return scale
+
+
+def _right_handed(rig: Rig) -> Rig:
+    """Return the rig with x of the world turned if all poses are reflections: which axes are meant is for the check."""
+    mirrors = [bool(np.linalg.det(camera.world_to_camera[:3, :3]) < 0) for camera in rig.cameras]
+    if not any(mirrors):
+        return rig
+    if not all(mirrors):
+        named = [camera.where for camera, mirror in zip(rig.cameras, mirrors, strict=True) if mirror]
+        listed = "; ".join(named[:_MOST_NAMED]) + ("; ..." if len(named) > _MOST_NAMED else "")
+        problem = f"{len(named)} of {len(mirrors)} poses are reflections, which mirror the scene"
+        raise InputError(rig.files[0], f"{problem}: {listed}", "export all poses with the same axes")
+    cameras = [dataclasses.replace(camera, world_to_camera=camera.world_to_camera @ MIRROR) for camera in rig.cameras]
+    note = "all poses are reflections, as of a left-handed world (Unity, Unreal): x of the world is turned"
+    return dataclasses.replace(rig, cameras=cameras, mirrored=True, notes=(*rig.notes, note))
 
 
 def _is_orthonormal(turn: npt.NDArray[np.float64]) -> bool:

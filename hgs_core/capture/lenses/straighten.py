@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from hgs_core.base.errors import InputError
 from hgs_core.capture.lenses.lens import PINHOLE, Lens
+from hgs_core.capture.lenses.sensor_places import sensor_places
 from hgs_core.scene.camera import Camera
 
 __all__ = ["WIDEST", "StraightView", "ray_of"]
@@ -22,7 +23,6 @@ _FARTHEST = 80.0  # degrees from the axis up to which a lens is looked at
 _STEPS = 400  # angles in the first table of the inversion
 _NEWTON_STEPS = 8
 _EDGE_SAMPLES = 65  # points on each side of the picture
-_STRIP_ROWS = 128  # rows at a time, so that resampling needs little memory
 
 Floats = npt.NDArray[np.float64]
 
@@ -85,15 +85,9 @@ class StraightView:
         """
         if self.lens == PINHOLE:
             return picture
-        bent, straight = self.bent, self.camera
-        result = np.empty((straight.height, straight.width, picture.shape[2]), np.uint8)
-        x = ((np.arange(straight.width) + 0.5 - straight.cx) / straight.fx).astype(np.float32)
-        y = ((np.arange(straight.height) + 0.5 - straight.cy) / straight.fy).astype(np.float32)
-        for first in range(0, straight.height, _STRIP_ROWS):
-            rows = slice(first, first + _STRIP_ROWS)
-            bent_x, bent_y = self.lens.apply(*np.broadcast_arrays(x, y[rows, None]))
-            result[rows] = _bilinear(picture, bent_x * bent.fx + bent.cx, bent_y * bent.fy + bent.cy)
-        return result
+        straight = self.camera
+        places = sensor_places(self.bent, self.lens, straight)
+        return places.blended(picture).reshape(straight.height, straight.width, -1)
 
     def straight_mask(self, mask: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
         """Return the mask [H, W] without distortion: a pixel is set if half of its area is."""
@@ -139,24 +133,3 @@ def _newton_step(lens: Lens, x: Floats, y: Floats, u: Floats, v: Floats) -> tupl
     miss_u, miss_v = u - at_u, v - at_v
     determinant = a * d - b * c
     return x + (d * miss_u - b * miss_v) / determinant, y + (a * miss_v - c * miss_u) / determinant
-
-
-def _bilinear(
-    picture: npt.NDArray[np.uint8], u: npt.NDArray[np.floating], v: npt.NDArray[np.floating]
-) -> npt.NDArray[np.uint8]:
-    """Return the picture's colours [..., C] at pixel positions (u, v), centres at +0.5."""
-    height, width, channels = picture.shape
-    column, row = np.clip(u - 0.5, 0, width - 1), np.clip(v - 0.5, 0, height - 1)
-    left, top = np.minimum(column.astype(np.int32), width - 2), np.minimum(row.astype(np.int32), height - 2)
-    right_share = (column - left).astype(np.float32)[..., None]
-    lower_share = (row - top).astype(np.float32)[..., None]
-    flat, first = picture.reshape(-1, channels), top * width + left
-
-    def blend(offset: int) -> npt.NDArray[np.float32]:
-        colours: npt.NDArray[np.float32] = flat.take(first + offset, axis=0).astype(np.float32)
-        colours += right_share * (flat.take(first + offset + 1, axis=0) - colours)
-        return colours
-
-    upper = blend(0)
-    upper += lower_share * (blend(width) - upper) + np.float32(0.5)
-    return upper.astype(np.uint8)

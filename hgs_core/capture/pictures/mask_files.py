@@ -6,6 +6,7 @@ values or palette entries (docs/captures.md). In JPEG files, which keep no numbe
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,8 +15,9 @@ import numpy as np
 import numpy.typing as npt
 
 from hgs_core.base.errors import InputError
+from hgs_core.capture.footage import is_picture
 from hgs_core.capture.lenses.straighten import StraightView
-from hgs_core.capture.pictures.picture import check_size, list_folder, picture_size, read_mask
+from hgs_core.capture.pictures.picture import list_folder, picture_size, read_mask
 
 __all__ = ["MaskFiles", "find_masks"]
 
@@ -107,7 +109,7 @@ def _files(
 ) -> dict[int, Path]:
     files = [name for name in list_folder(folder) if name.lower().endswith(_SUFFIXES)]
     files.sort(key=lambda name: _SUFFIXES.index(Path(name).suffix.lower()))
-    there = {Path(name).stem: folder / name for name in files}
+    there = {_picture_of(name): folder / name for name in files}
     if names is not None and all(names[frame] in there for frame in needed):
         found = {frame: there[names[frame]] for frame in needed}
     else:
@@ -120,9 +122,24 @@ def _files(
         found = {frame: masks[called[frame]] for frame in needed}
     straight = (view.camera.width, view.camera.height)
     for path in found.values():
-        if picture_size(path) != straight:
-            check_size(path, view.bent)
+        size, right = picture_size(path), (view.bent.width, view.bent.height)
+        if size not in (straight, right):
+            problem = f"the mask is {size[0]}x{size[1]}; camera {view.camera.name} needs {right[0]}x{right[1]}"
+            every = f"{shlex.quote(str(folder))}/*{path.suffix}"
+            resize = f"mogrify -filter point -resize '{right[0]}x{right[1]}!' {every} (ImageMagick)"
+            raise InputError(path, problem, resize if _alike(size, right) else "make masks of these pictures")
     return found
+
+
+def _picture_of(name: str) -> str:
+    """Return the name of a mask's picture without an ending: COLMAP calls the mask of a.jpg a.jpg.png."""
+    stem = Path(name).stem
+    return Path(stem).stem if is_picture(stem) else stem
+
+
+def _alike(size: tuple[int, int], other: tuple[int, int]) -> bool:
+    """Return whether two sizes have the same shape, within two pixels."""
+    return abs(size[0] * other[1] - size[1] * other[0]) <= 2 * max(size[1], other[1])
 
 
 def _called(masks: Mapping[int, Path], needed: Sequence[int], numbers: Sequence[int] | None) -> Sequence[int]:

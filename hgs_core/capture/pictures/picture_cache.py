@@ -33,6 +33,10 @@ class FrameCache:
         """Bytes of the pictures held now."""
         return self._bytes
 
+    def __contains__(self, picture: tuple[int, int]) -> bool:
+        """Return whether the picture of a camera and frame is held."""
+        return picture in self._pictures
+
     def get(self, camera: int, frame: int) -> npt.NDArray[np.uint8] | None:
         """Return the picture if it is held, and count it as used."""
         with self._lock:

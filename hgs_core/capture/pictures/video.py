@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterator
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
@@ -16,7 +17,8 @@ from hgs_core.capture.files.encoding_again import encode_again
 from hgs_core.capture.files.unreadable import unreadable
 from hgs_core.capture.pictures.orientation import quarter_turns
 from hgs_core.capture.pictures.picture_cache import Neighbour
-from hgs_core.capture.pictures.video_packets import VideoPackets, open_stream
+from hgs_core.capture.pictures.video_index import indexed_packets
+from hgs_core.capture.pictures.video_packets import open_stream
 from hgs_core.capture.pictures.video_stream import stated_rate
 from hgs_core.capture.pictures.wide_colours import wide_colours_of
 
@@ -53,10 +55,10 @@ class VideoReader:
     several threads at once.
     """
 
-    def __init__(self, path: Path, *, square: bool = False) -> None:
+    def __init__(self, path: Path, *, square: bool = False, index: Path | None = None) -> None:
         """Read the packets' time stamps, and the display matrix, which comes with the first frame.
 
-        With `square` the pictures have square pixels, as players show them.
+        With `square` the pictures have square pixels, as players show them. `index` is a folder that keeps the stamps.
 
         Raises:
             InputError: the file is missing, no video, truncated, its frames cannot be told apart, or are to be shown
@@ -65,7 +67,7 @@ class VideoReader:
         from av.video.reformatter import VideoReformatter
 
         self.path = path
-        self._packets = packets = VideoPackets.of(path)
+        self._packets = packets = indexed_packets(path, index)
         self.files = [(path, path.stat().st_size)]
         self.notes = packets.notes  # choices, for people
         self.rate, self.timecode, self.interlaced = packets.rate, packets.timecode, packets.interlaced
@@ -102,10 +104,11 @@ class VideoReader:
     def _turned(self, size: tuple[int, int]) -> tuple[int, int]:
         return (size[1], size[0]) if self._turns % 2 else size
 
-    @property
+    @cached_property
     def seconds(self) -> npt.NDArray[np.float64]:
         """The time stamps of the frames [N], seconds; exact multiples of the period where they are rounded ones."""
-        stamps = np.array([float(stamp * self._packets.tick) for stamp in self._packets.stamps])
+        numerator, denominator = self._packets.tick.as_integer_ratio()
+        stamps = np.array([stamp * numerator / denominator for stamp in self._packets.stamps])
         even = stamps[0] + np.arange(len(stamps)) / float(self.rate)
         return even if np.abs(stamps - even).max() <= self.resolution else stamps
 

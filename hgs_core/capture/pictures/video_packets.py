@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, cast
 
 from hgs_core.base.errors import InputError
 from hgs_core.capture.files.container import is_bare, open_container
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 __all__ = ["VideoPackets", "open_stream"]
 
 _LARGEST_ASPECT = 4  # times as wide as high, or as high as wide; anamorphic lenses double
+_CURE = "copy or export the camera's video again"
 _PROGRESSIVE = 1  # AVFieldOrder: 0 is unknown, from 2 on frames are of two fields
 
 
@@ -73,8 +74,7 @@ class VideoPackets:
                 announced = 0 if found.counted else stream.frames
                 damaged = found._read(container, stream, bare)
         except (av.FFmpegError, OSError) as error:
-            cure = "copy or export the camera's video again"
-            raise unreadable(path, error, cure, "the video is unreadable") from error
+            raise unreadable(path, error, _CURE, "the video is unreadable") from error
         if bare and found.rate:
             rate = f"{float(found.rate):.5g} frames a second"
             found.notes.append(f"the file has no time stamps, and its stream says {rate}: these count")
@@ -86,6 +86,27 @@ class VideoPackets:
         found.stamps.sort()
         found.keys = sorted(found.keys) if found.keys and not found.counted else [found.stamps[0]]
         return found
+
+    def with_first_frame(self, path: Path) -> VideoPackets:
+        """Return a copy with the first frame of the file, where nothing else is read.
+
+        Raises:
+            InputError: the file is unreadable.
+        """
+        import av
+
+        try:
+            with open_container(path) as container:
+                context = container.streams[self.stream].codec_context
+                assert isinstance(context, av.VideoCodecContext)
+                context.thread_count = 1
+                for packet in container.demux(container.streams[self.stream]):
+                    first = context.decode(cast(Any, packet))
+                    if first:
+                        return replace(self, first=first, notes=list(self.notes))
+        except (av.FFmpegError, OSError) as error:
+            raise unreadable(path, error, _CURE, "the video is unreadable") from error
+        raise InputError(path, "no frame can be decoded", "export the camera's video again")
 
     def _read(self, container: InputContainer, stream: VideoStream, bare: bool) -> bool:
         """Read the stamps, in the order of the file; return whether a packet is damaged."""

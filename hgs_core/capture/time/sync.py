@@ -22,6 +22,7 @@ import numpy as np
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.wording import counted, shown
+from hgs_core.capture.files.named_files import plain_name
 from hgs_core.capture.files.text_file import read_json
 from hgs_core.capture.time.clock import CameraTime, mean_rate
 from hgs_core.capture.time.timecodes import CodedStart, starts_by_timecode
@@ -161,14 +162,16 @@ def times_of_cameras(
 
 def _by_sync(cameras: Sequence[OwnTime], sync: Sync) -> list[CameraTime]:
     assert sync.starts is not None
-    names = {camera.name for camera in cameras} | {camera.other_name for camera in cameras}
+    names = {plain_name(name) for camera in cameras for name in (camera.name, camera.other_name)}
     for name in sync.starts:
-        if name not in names:
+        if plain_name(name) not in names:
             known = ", ".join(camera.name for camera in cameras)
             raise InputError(sync.file, f"there is no camera {name!r}", f"the cameras are {known}")
+    starts = {plain_name(name): start for name, start in sync.starts.items()} | sync.starts
     found = []
     for camera in cameras:
-        start = sync.starts.get(camera.name, sync.starts.get(camera.other_name, 0.0))
+        called = (camera.name, camera.other_name, plain_name(camera.name), plain_name(camera.other_name))
+        start = next((starts[name] for name in called if name in starts), 0.0)
         seconds = start / camera.rate if sync.in_frames else start
         found.append(_began(camera, camera.stamps - camera.stamps[0] + seconds, 0.0))
     return found

@@ -100,21 +100,20 @@ def unit_of_table(file: Path, table: TimesTable, steps: Mapping[str, float], *, 
     own = float(np.median(ratios)) * step
     found = unit_of_step(own, None if assumed else 1.0 / step)
     rate = 1.0 / step
-    if table.unit is not None and found in (None, table.unit):
-        return table.unit, ""
-    if table.unit is not None and found is not None:
+    if table.unit is not None and found not in (None, table.unit):
         there = f"{table.unit.per_second / own:.4g} frames per second in {table.unit.name}"
         problem = f"{table.column} steps by {own:.6g} from frame to frame: {there}, and the footage has {rate:.4g}"
         raise InputError(file, problem, f"it is that in {found.name}: correct the name of the column")
-    if found is None:
+    unit = table.unit or found
+    if unit is None:
         problem = f"{table.column} steps by {own:.6g} and the footage has {rate:.4g} frames per second: no unit fits"
         cure = f'call the column "{table.column}_s" where it is in seconds, "{table.column}_ms" in milliseconds'
         raise InputError(file, problem, cure)
-    there = f"{found.per_second / own:.4g} frames per second"
-    if found is not SECONDS:
-        return found, f"{file.name} is in {found.name}, by the rate of the footage: {there}"
-    differs = not assumed and abs(rate * own - 1) > _DIFFERS
-    return found, f"{file.name} has {there} and the footage {rate:.4g}: the table counts" if differs else ""
+    there = f"{unit.per_second / own:.4g} frames per second"
+    if unit is not SECONDS and table.unit is None:
+        return unit, f"{file.name} is in {unit.name}, by the rate of the footage: {there}"
+    differs = not assumed and abs(rate * own / unit.per_second - 1) > _DIFFERS
+    return unit, f"{file.name} has {there} and the footage {rate:.4g}: the table counts" if differs else ""
 
 
 def _rows(file: Path) -> Iterator[list[str]]:

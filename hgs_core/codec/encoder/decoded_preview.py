@@ -5,14 +5,16 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hgs_core.base.arrays import Floats
+from hgs_core.base.cores import core_pool
 from hgs_core.codec.encoder.chunking import dynamic_layers, slice_limits, static_layers
 from hgs_core.codec.encoder.encode_chunk import Numbers, static_numbers
-from hgs_core.codec.encoder.encode_dynamic import dynamic_numbers
+from hgs_core.codec.encoder.encode_dynamic import SegmentTime, dynamic_numbers
 from hgs_core.codec.encoder.encode_settings import EncodeSettings
 from hgs_core.codec.encoder.prepare import PreparedDynamics, PreparedStatics, prepare_dynamic, prepare_static
 from hgs_core.codec.encoder.segment_times import frame_interval, shown_segments
@@ -53,9 +55,12 @@ def quantised_scene(
     """
     splats = prepare_static(scene.static, cameras, utility.static, settings, antialiased=scene.antialiased)
     parts = [splats.take(layer.index) for layer in static_layers(splats, settings)]
-    decoded = [
-        static_splats(decoded_arrays(Kind.STATIC, static_numbers(part, Steps.of(part, settings)))) for part in parts
-    ]
+
+    def of_static(part: PreparedStatics) -> StaticSplats[Floats]:
+        return static_splats(decoded_arrays(Kind.STATIC, static_numbers(part, Steps.of(part, settings))))
+
+    with core_pool() as pool:
+        decoded = list(pool.map(of_static, parts))
     static = joined([StaticSplats.empty(), *decoded])
     exact = joined([StaticSplats.empty(), *(_static(part) for part in parts)])
     settings = settings.of_dynamic
@@ -68,10 +73,8 @@ def quantised_scene(
         )
         limits = slice_limits(time, shown.until, settings)[1]
         pieces = [moving.take(layer.index) for layer in dynamic_layers(moving, time, limits, settings)]
-        sets = [
-            dynamic_splats(decoded_arrays(Kind.DYNAMIC, dynamic_numbers(piece, time, Steps.of(piece, settings))[0]))
-            for piece in pieces
-        ]
+        with core_pool() as pool:
+            sets = list(pool.map(partial(_decoded_dynamic, time=time, settings=settings), pieces))
         originals = [_dynamic(piece, coded) for piece, coded in zip(pieces, sets, strict=True)]
         none = DynamicSplats.empty(segment.dynamic.motion.shape[1])  # all that is trained together has its coefficients
         before.append(Segment(segment.start, segment.end, joined([none, *originals])))
@@ -83,6 +86,11 @@ def quantised_scene(
         _rows(parts),
         tuple(rows),
     )
+
+
+def _decoded_dynamic(piece: PreparedDynamics, time: SegmentTime, settings: EncodeSettings) -> DynamicSplats[Floats]:
+    numbers = dynamic_numbers(piece, time, Steps.of(piece, settings))[0]
+    return dynamic_splats(decoded_arrays(Kind.DYNAMIC, numbers))
 
 
 def _rows(parts: Sequence[PreparedStatics]) -> NDArray[np.intp]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -13,7 +14,8 @@ from numpy.typing import NDArray
 
 from hgs_core.base.arrays import Doubles, Floats
 from hgs_core.base.atomic import write_bytes
-from hgs_core.codec.encoder.chunking import dynamic_layers, slice_limits, static_layers
+from hgs_core.base.cores import core_pool
+from hgs_core.codec.encoder.chunking import Layer, dynamic_layers, slice_limits, static_layers
 from hgs_core.codec.encoder.encode_chunk import encode_static_chunk
 from hgs_core.codec.encoder.encode_dynamic import encode_dynamic_chunk
 from hgs_core.codec.encoder.encode_settings import EncodeSettings
@@ -111,7 +113,7 @@ def encode_scene(
         pieces, chunks = _segment_chunks(shown, seen_by, known, settings.of_dynamic, len(coded), scene.antialiased)
         slices += pieces
         coded += chunks
-    space = find_captured_space(trained, view.center, up) if trained else None
+    space = find_captured_space(trained, view.center, up, moves=scene.dynamic_splats > 0) if trained else None
     manifest = Manifest(
         title=title,
         start=scene.start,
@@ -148,10 +150,12 @@ def _static_chunks(
 ) -> list[_Coded]:
     known = None if utility is None else utility.static
     splats = prepare_static(scene.static, cameras, known, settings, antialiased=scene.antialiased)
-    return [
-        _coded(*encode_static_chunk(splats.take(layer.index), settings, i))
-        for i, layer in enumerate(static_layers(splats, settings))
-    ]
+
+    def coded(layer: Layer, index: int) -> _Coded:
+        return _coded(*encode_static_chunk(splats.take(layer.index), settings, index))
+
+    with core_pool() as pool:
+        return list(pool.map(coded, static_layers(splats, settings), itertools.count()))
 
 
 def _segment_chunks(
@@ -171,8 +175,14 @@ def _segment_chunks(
     count = len(limits) - 1
     chunks: list[list[tuple[float, _Coded]]] = [[] for _ in range(count)]
     needs: list[list[str]] = [[] for _ in range(count)]
-    for number, layer in enumerate(dynamic_layers(splats, time, limits, settings)):
-        data, decoded = encode_dynamic_chunk(splats.take(layer.index), time, settings, index + number)
+
+    def encoded(layer: Layer, place: int) -> tuple[bytes, DecodedChunk]:
+        return encode_dynamic_chunk(splats.take(layer.index), time, settings, place)
+
+    layers = dynamic_layers(splats, time, limits, settings)
+    with core_pool() as pool:
+        encodings = list(pool.map(encoded, layers, itertools.count(index)))
+    for layer, (data, decoded) in zip(layers, encodings, strict=True):
         chunk = _coded(data, decoded)
         first, last = _slices_lived_in(decoded, limits)
         chunks[first].append((layer.utility, chunk))

@@ -17,7 +17,13 @@ from hgs_core.codec.encoder.motion_coding import Path, highest_order, motion_num
 from hgs_core.codec.encoder.prepare import PreparedDynamics
 from hgs_core.codec.encoder.rate_distortion import choose, neighbours
 from hgs_core.codec.encoder.rotation_coding import shape_error
-from hgs_core.codec.encoder.steps import Steps
+from hgs_core.codec.encoder.steps import (
+    CENTER_STEP,
+    LARGEST_CENTER_STEP,
+    LARGEST_PRECISION_STEP,
+    PRECISION_STEP,
+    Steps,
+)
 from hgs_core.codec.encoder.utility import grades
 from hgs_core.codec.format.attributes import FIFTH, TURNS, Kind
 from hgs_core.codec.format.chunk import Bounds, pack
@@ -27,12 +33,6 @@ from hgs_core.scene.temporal import evaluate, lifetime
 
 __all__ = ["SegmentTime", "dynamic_numbers", "encode_dynamic_chunk"]
 
-# Of the opacity's step. The opacity sigma exp(-s d^2) changes by at most sigma / e for a unit of ln s, and for a unit
-# of mu 2^e by at most about 2 sigma.
-PRECISION_STEP = 5.0
-CENTER_STEP = 1.2
-LARGEST_PRECISION_STEP = 0.5
-LARGEST_CENTER_STEP = 0.1
 LARGEST_ROUNDING = 1.5 + 1e-3  # steps by which a number may be off its value
 LEAST_OFF = 1e-5
 

@@ -15,7 +15,7 @@ __all__ = ["EncodeSettings"]
 class EncodeSettings:
     """Quantiser steps and sizes.
 
-    Steps are those of a splat whose utility (`weights.py`) is 1; a splat that shows less has wider ones, in
+    Steps are those of a splat whose utility (`utility.py`) is 1; a splat that shows less has wider ones, in
     proportion to 1 / sqrt(utility) and at most `largest_*`, and one that shows more narrower ones. All grow with
     `coarseness`.
     """

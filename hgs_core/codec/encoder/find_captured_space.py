@@ -9,7 +9,7 @@ import numpy as np
 
 from hgs_core.base.arrays import Doubles
 from hgs_core.codec.format.captured_space import CapturedSpace
-from hgs_core.scene.camera import Camera
+from hgs_core.scene.camera import FAR_APART, Camera, neighbour_angle
 
 __all__ = ["find_captured_space"]
 
@@ -23,14 +23,20 @@ between them, and about as far beyond them.
 """
 
 WIDEST_GAP = math.radians(90)  # between neighbours of a circle that is closed
+SURROUNDED = math.radians(180)  # gap below which cameras stand on all sides of the subject
 STEEPEST = math.radians(75)  # elevation from which on an azimuth says nothing
 CLOSER, FARTHER = 0.5, 1.25
 """Of the nearest and of the farthest camera's distance. At half the distance the capture's pixels are two pixels wide;
 from farther away the rims of the pictures and the space behind the cameras come into view."""
 
 
-def find_captured_space(cameras: Sequence[Camera], center: Triple, up: Triple) -> CapturedSpace | None:
+def find_captured_space(
+    cameras: Sequence[Camera], center: Triple, up: Triple, *, moves: bool = True
+) -> CapturedSpace | None:
     """Return the space around `center` from which `cameras` look, with a margin; `up` is a unit vector.
+
+    A sparse rig gets a cone per camera, for what stands still, and is open all round where it surrounds what moves;
+    not so a scene in which nothing `moves`.
 
     None if most of them do not look towards the centre: they stand in the middle and look around, and to turn about
     the centre is of no use there.
@@ -44,31 +50,26 @@ def find_captured_space(cameras: Sequence[Camera], center: Triple, up: Triple) -
     distances = np.linalg.norm(offsets, axis=1)
     directions = offsets / distances[:, None]
     elevations = np.arcsin(np.clip(directions @ up, -1, 1))
-    margin = _margin(directions)
-    front, azimuth = _azimuths(directions[np.abs(elevations) < STEEPEST], np.asarray(up), margin)
+    apart = neighbour_angle(directions)
+    margin = float(np.clip(apart, *MARGIN))
+    sparse = moves and apart > FAR_APART
+    closed = SURROUNDED - 1e-6 if sparse else WIDEST_GAP
+    front, azimuth = _azimuths(directions[np.abs(elevations) < STEEPEST], np.asarray(up), margin, closed)
     low, high = float(elevations.min()) - margin, float(elevations.max()) + margin
     return CapturedSpace(
         front,
         azimuth,
         (max(low, -math.pi / 2), min(high, math.pi / 2)),
         (float(distances.min()) * CLOSER, float(distances.max()) * FARTHER),
+        cones=tuple(map(_triple, directions)) if sparse else (),
     )
 
 
-def _margin(directions: Doubles) -> float:
-    """Return the median angle from a direction [N, 3] to the nearest other one, within `MARGIN`."""
-    if len(directions) < 2:
-        return MARGIN[0]
-    cosines = directions @ directions.T
-    np.fill_diagonal(cosines, -1)
-    angles = np.arccos(np.clip(cosines.max(axis=1), -1, 1))
-    return float(np.clip(np.median(angles), *MARGIN))
-
-
-def _azimuths(directions: Doubles, up: Doubles, margin: float) -> tuple[Triple, float | None]:
+def _azimuths(directions: Doubles, up: Doubles, margin: float, closed: float) -> tuple[Triple, float | None]:
     """Return the middle of the arc that holds all directions [N, 3], a unit vector, and half its width with the margin.
 
-    The arc is what is left of the circle without its widest gap. All round, the middle is the first direction.
+    The arc is what is left of the circle without its widest gap. Without a gap above `closed`, radians, it is all
+    round, and the middle is the first direction.
     """
     first = _horizontal(directions[0] if len(directions) else np.eye(3)[np.abs(up).argmin()], up)
     side = np.cross(up, first)
@@ -77,7 +78,7 @@ def _azimuths(directions: Doubles, up: Doubles, margin: float) -> tuple[Triple, 
         return _triple(first), None
     gaps = np.diff(angles, append=angles[0] + 2 * math.pi)
     widest = int(gaps.argmax())
-    if gaps[widest] <= WIDEST_GAP:
+    if gaps[widest] <= closed:
         return _triple(first), None
     width = 2 * math.pi - gaps[widest]
     middle = angles[widest] - width / 2  # the arc ends where the gap begins

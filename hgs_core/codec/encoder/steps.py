@@ -12,7 +12,18 @@ from hgs_core.codec.encoder.prepare import PreparedStatics
 from hgs_core.codec.encoder.utility import LOW_PASS, grades
 from hgs_core.codec.format.quantise import float32_below, uneased
 
-__all__ = ["BLUR_DEVIATION", "FINEST_SHARE", "TURN_AGAINST_SCALE", "Steps", "ideal_position_steps", "screen_deviations"]
+__all__ = [
+    "BLUR_DEVIATION",
+    "CENTER_STEP",
+    "FINEST_SHARE",
+    "LARGEST_CENTER_STEP",
+    "LARGEST_PRECISION_STEP",
+    "PRECISION_STEP",
+    "TURN_AGAINST_SCALE",
+    "Steps",
+    "ideal_position_steps",
+    "screen_deviations",
+]
 
 BLUR_DEVIATION = 0.1  # pixels of standard deviation: rendering adds more, so thinner axes need not be told apart
 # A turn by t between axes of deviations a and b, (a/b - b/a)^2 t^2 / 4, against a change of one axis by e, 3/4 e^2.
@@ -22,6 +33,12 @@ ROTATION_STEP_PERCENTILE = 98.0
 FINEST_OPACITY = 2.0**-9
 FINEST_ROTATION = 2.0**-13
 FINEST_SHARE = 2.0**-21  # a step below this share of a coordinate costs more bits than float32 is worth
+# Of the opacity's step. The opacity sigma exp(-s d^2) changes by at most sigma / e for a unit of ln s, and for a unit
+# of mu 2^e by at most about 2 sigma.
+PRECISION_STEP = 5.0
+CENTER_STEP = 1.2
+LARGEST_PRECISION_STEP = 0.5
+LARGEST_CENTER_STEP = 0.1
 
 
 def screen_deviations(splats: PreparedStatics) -> Doubles:

@@ -52,10 +52,7 @@ def pixels_per_unit(points: Doubles, cameras: Sequence[Camera]) -> Doubles:
     squares, seen, nearest = np.zeros(len(points)), np.zeros(len(points)), np.zeros(len(points))
     for camera in cameras:
         pixels, depth = camera.project(points)
-        with np.errstate(invalid="ignore"):
-            inside = (
-                (depth > camera.near) & (pixels >= 0).all(axis=1) & (pixels <= (camera.width, camera.height)).all(1)
-            )
+        inside = camera.shows(pixels, depth)
         squares[inside] += camera.fx * camera.fy / depth[inside] ** 2
         seen += inside
         distance = np.maximum(np.linalg.norm(points - camera.position, axis=1), camera.near)

@@ -59,8 +59,7 @@ def find_viewpoint(cameras: Sequence[Camera], points: Doubles) -> Viewpoint:
 def _median_depth(camera: Camera, points: Doubles) -> float:
     """Return the median depth of the points in the picture; NaN if there are none."""
     pixels, depth = camera.project(points)
-    with np.errstate(invalid="ignore"):
-        inside = (depth > 0) & (pixels >= 0).all(axis=1) & (pixels <= (camera.width, camera.height)).all(axis=1)
+    inside = camera.shows(pixels, depth, beyond=0)
     return float(np.median(depth[inside])) if inside.any() else float("nan")
 
 

@@ -14,6 +14,10 @@ from hgs_core.codec.format.seen_limits import SeenLimits, range_of
 
 __all__ = ["CapturedSpace", "Place"]
 
+Triple = tuple[float, float, float]
+
+UNIT = 1e-3  # deviation of a unit vector's length from 1
+
 
 @dataclass(frozen=True)
 class Place:
@@ -28,11 +32,13 @@ class Place:
 class CapturedSpace:
     """The part of space around a scene's centre from which it can be looked at with trust."""
 
-    front: tuple[float, float, float]  # unit vector at right angles to the scene's `up`: the middle of the azimuths
+    front: Triple  # unit vector at right angles to the scene's `up`: the middle of the azimuths
     azimuth: float | None  # half of the range, radians in (0, pi); None: all round
     elevation: tuple[float, float]  # lowest and highest, radians
     distance: tuple[float, float]  # nearest and farthest, world units, above 0
     seen: SeenLimits | None = None  # narrower ranges, direction by direction; None: not known
+    cones: tuple[Triple, ...] = ()  # unit vectors from the centre to the cameras of a sparse rig; none: a dense rig
+    subject_only: bool = False  # viewers begin without what stands still
 
     def place(self, point: npt.ArrayLike, center: npt.ArrayLike, up: npt.ArrayLike) -> Place:
         """Return where a point [3] lies around `center` [3], with `up` [3] a unit vector.
@@ -83,7 +89,13 @@ class CapturedSpace:
         if self.azimuth is not None:
             document["azimuth"] = self.azimuth
         document |= {"elevation": list(self.elevation), "distance": list(self.distance)}
-        return document if self.seen is None else document | {"seen": self.seen.to_json()}
+        if self.seen is not None:
+            document["seen"] = self.seen.to_json()
+        if self.cones:
+            document["cones"] = [list(direction) for direction in self.cones]
+        if self.subject_only:
+            document["subject_only"] = True
+        return document
 
     @classmethod
     def read(cls, field: Field) -> CapturedSpace:
@@ -102,4 +114,14 @@ class CapturedSpace:
         if distance[0] <= 0:
             raise field["distance"].error(f"begins at {distance[0]}, expected above 0")
         seen = SeenLimits.read(field["seen"], azimuth, elevation, distance) if "seen" in field.mapping() else None
-        return cls((x, y, z), azimuth, elevation, distance, seen)
+        cones = tuple(map(_direction, field["cones"].items())) if "cones" in field.mapping() else ()
+        alone = field["subject_only"].flag() if "subject_only" in field.mapping() else False
+        return cls((x, y, z), azimuth, elevation, distance, seen, cones, alone)
+
+
+def _direction(field: Field) -> Triple:
+    x, y, z = field.numbers(3)
+    length = math.hypot(x, y, z)
+    if abs(length - 1) > UNIT:
+        raise field.error(f"has the length {length:g}, expected 1")
+    return x, y, z

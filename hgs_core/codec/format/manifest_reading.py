@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 from hgs_core.base.errors import InputError
@@ -13,7 +14,20 @@ from hgs_core.codec.format.manifest import FORMAT, ChunkEntry, Manifest, Segment
 from hgs_core.codec.format.start_views import StartViews
 from hgs_core.scene.camera import Camera
 
-__all__ = ["read_manifest"]
+__all__ = ["parse_manifest", "read_manifest"]
+
+
+def parse_manifest(data: bytes, where: object = "manifest") -> tuple[dict[str, Any], Manifest]:
+    """Return the bytes of a manifest as plain JSON and as a checked manifest.
+
+    Raises:
+        InputError: they are not JSON, or as `read_manifest`.
+    """
+    try:
+        document = json.loads(data)
+    except (ValueError, RecursionError) as error:
+        raise InputError(where, f"is not JSON: {error}") from error
+    return document, read_manifest(document, where)
 
 
 def read_manifest(value: Any, where: object = "manifest") -> Manifest:

@@ -16,7 +16,7 @@ from hgs_core.codec.format.chunk import Box
 from hgs_core.codec.format.manifest import Manifest, SegmentEntry, SliceEntry
 from hgs_core.codec.format.pages import MAGIC
 
-__all__ = ["INDEX", "INDEX_FORMAT", "INDEX_VERSION", "PagedScene", "paged"]
+__all__ = ["INDEX", "INDEX_FORMAT", "INDEX_VERSION", "WHOLE", "PagedScene", "paged"]
 
 INDEX = "index.hgs"
 INDEX_FORMAT = "hgs-index"

@@ -114,5 +114,5 @@ def _place(number: float, count: int) -> tuple[int, float]:
 
 
 def _mixed(pairs: Doubles, first: int, second: int, share: float) -> Range:
-    low, high = pairs[first] * (1 - share) + pairs[second] * share
+    low, high = pairs[first] + (pairs[second] - pairs[first]) * share  # exact between equal ones
     return float(low), float(high)

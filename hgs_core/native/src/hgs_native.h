@@ -11,7 +11,7 @@
 #define HGS_STATICS_ANEW 0
 #define HGS_STATICS_KEEP 1
 #define HGS_STATICS_REUSE 2
-#define HGS_ABI_VERSION 11
+#define HGS_ABI_VERSION 12
 #define HGS_API __attribute__((visibility("default")))
 
 #ifdef __cplusplus
@@ -252,6 +252,14 @@ HGS_API int32_t hgs_colour_sweep(const double *origin, const double *rays, const
                                  const double *depths, int32_t depth_count, const hgs_colour_source *sources,
                                  int32_t source_count, const hgs_hull_view *hull, int32_t hull_count,
                                  double hull_share, float blind, float *costs);
+
+/* Blends of four neighbouring pixels, rounded to bytes.
+ *
+ * picture: [height][width][channels], 1 or 3 channels.
+ * corners: [count] number of the upper left pixel; it has neighbours to the right and below.
+ * right, lower: [count] shares of the right and of the lower pixels.  out: [count][channels]. */
+HGS_API int32_t hgs_resample(const uint8_t *picture, int32_t width, int32_t channels, const int32_t *corners,
+                             const float *right, const float *lower, int64_t count, uint8_t *out);
 
 #ifdef __cplusplus
 }

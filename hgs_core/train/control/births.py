@@ -7,14 +7,20 @@ missed there, has none. So the scene is drawn at many moments, and moving pixels
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import ClassVar
 
 import numpy as np
+import numpy.typing as npt
 import torch
+from torch import Tensor
 
+from hgs_core.base.cores import core_pool
 from hgs_core.points.sweep import depth_ranges
 from hgs_core.render.fixed_view import FixedView
+from hgs_core.scene.splats import DynamicSplats
 from hgs_core.train.checkpoint import TrainState
 from hgs_core.train.control.ghosts import visible_where_still, with_lives_shortened
 from hgs_core.train.control.missing_points import MissingPoints, chosen_points, find_missing_points, picture_error
@@ -22,6 +28,7 @@ from hgs_core.train.control.round import RoundContext, is_after_share
 from hgs_core.train.initial_splats import initial_splats
 from hgs_core.train.splat_sets import kept, rows_of
 from hgs_core.train.train_config import TrainConfig
+from hgs_core.train.training_views import Instant
 
 __all__ = ["BIRTHS_AT", "BirthRound"]
 
@@ -62,10 +69,8 @@ class BirthRound:
         ]
         missing, moments, ghosts = [], [], []
         for instant in views.instants(instants, generator):
-            errors = [
-                picture_error(fixed[place].frame(state.dynamic, instant.moment).rgb, truth)
-                for place, truth in zip(instant.places, instant.pictures, strict=True)
-            ]
+            with core_pool() as pool:
+                errors = list(pool.map(partial(_error, fixed, state.dynamic, instant), range(len(instant.places))))
             cameras = [views.cameras[place] for place in instant.places]
             moments.append(instant.moment)
             ghosts.append(visible_where_still(state.dynamic, cameras, instant.moment, instant.moving, errors))
@@ -86,3 +91,11 @@ class BirthRound:
         )
         state.replace(state.static, kept(dynamic, state.dynamic_optimiser, None, born))
         state.history.births += len(born)
+
+
+def _error(
+    fixed: Sequence[FixedView], dynamic: DynamicSplats[Tensor], instant: Instant, number: int
+) -> npt.NDArray[np.float32]:
+    """Return the error [H, W] of the instant's picture of that number, levels of 255."""
+    drawn = fixed[instant.places[number]].frame(dynamic, instant.moment).rgb
+    return picture_error(drawn, instant.pictures[number])

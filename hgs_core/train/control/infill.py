@@ -12,12 +12,15 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+import numpy.typing as npt
 import torch
 from torch import Tensor
 
+from hgs_core.base.cores import core_pool
 from hgs_core.points.point_cloud import PointCloud
 from hgs_core.points.sweep import depth_ranges
 from hgs_core.render.fixed_view import FixedView
+from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.train.checkpoint import TrainState
 from hgs_core.train.control.missing_points import chosen_points, find_missing_points, picture_error
@@ -65,7 +68,7 @@ class InfillRound:
 def find_infill(
     static: StaticSplats[Tensor],
     dynamic: DynamicSplats[Tensor],
-    cameras: Iterable[Sequence[TrainingView]],
+    cameras: Iterable[Iterable[TrainingView]],
     config: TrainConfig,
     shown: Callable[[Tensor, TrainingView], Tensor],
     ranges: Sequence[tuple[float, float]],
@@ -84,18 +87,43 @@ def find_infill(
         most: points.
         generator: of the draw.
     """
-    seen_by, pictures, still, errors = [], [], [], []
-    for views in cameras:
-        camera = views[0].camera
-        fixed = FixedView(static, camera, antialiased=config.antialiased, backend=config.backend)
-        drawn = torch.stack([shown(fixed.frame(dynamic, view.moment).rgb, view) for view in views]).mean(0)
+
+    def look(views: Iterable[TrainingView]) -> _StillPicture:
+        seen = list(views)
+        fixed = FixedView(static, seen[0].camera, antialiased=config.antialiased, backend=config.backend)
+        return _StillPicture.of(seen, [shown(fixed.frame(dynamic, view.moment).rgb, view) for view in seen])
+
+    with core_pool() as pool:
+        found = list(pool.map(look, cameras))
+    missing = find_missing_points(
+        [one.camera for one in found],
+        [one.picture for one in found],
+        [one.still for one in found],
+        [one.error for one in found],
+        ranges,
+        hull=False,
+        pixels=_MOST_PIXELS,
+    )
+    return chosen_points([missing], most, generator)
+
+
+@dataclass(frozen=True)
+class _StillPicture:
+    """The still pixels of a camera's pictures of several moments."""
+
+    camera: Camera
+    picture: npt.NDArray[np.uint8]  # [H, W, 3] mean over the moments
+    still: npt.NDArray[np.bool_]  # [H, W] pixels that never move
+    error: npt.NDArray[np.float32]  # [H, W] error of the mean drawn picture, levels of 255
+
+    @classmethod
+    def of(cls, views: Sequence[TrainingView], drawn: Sequence[Tensor]) -> _StillPicture:
+        """Take the means of views and of their drawn pictures, [3, H, W] each."""
         truth = torch.stack([view.target for view in views]).mean(0)
-        moving = [view.moving for view in views if view.moving is not None]
         picture = (truth.permute(1, 2, 0) * 255).round().to(torch.uint8).numpy()
-        seen_by.append(camera)
-        pictures.append(picture)
-        errors.append(picture_error(drawn, picture))
-        everywhere = torch.ones(camera.height, camera.width, dtype=torch.bool)
-        still.append((~torch.stack(moving).any(0) if moving else everywhere).numpy())
-    found = find_missing_points(seen_by, pictures, still, errors, ranges, hull=False, pixels=_MOST_PIXELS)
-    return chosen_points([found], most, generator)
+        camera = views[0].camera
+        still = torch.ones(camera.height, camera.width, dtype=torch.bool)
+        for view in views:
+            if view.moving is not None:
+                still &= ~view.moving
+        return cls(camera, picture, still.numpy(), picture_error(torch.stack(list(drawn)).mean(0), picture))

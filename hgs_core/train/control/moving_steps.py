@@ -6,11 +6,15 @@ again costs a fraction of a picture, and the statics of the fixed cameras need t
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar
 
+from torch import Tensor
+
 from hgs_core.render.fixed_view import FixedView
 from hgs_core.render.types import ScreenStatistics
+from hgs_core.scene.splats import DynamicSplats
 from hgs_core.train.checkpoint import TrainState
 from hgs_core.train.control.round import RoundContext
 from hgs_core.train.moving_tiles import MovingTiles, loss_gradient
@@ -18,7 +22,7 @@ from hgs_core.train.splats_alive import living_rows, rows_taken
 from hgs_core.train.train_config import TrainConfig
 from hgs_core.train.training_views import TrainingView
 
-__all__ = ["MovingSteps"]
+__all__ = ["MovingSteps", "step_of_movers"]
 
 _FROM = 0.3  # share of the iterations that pass before them: first the room behind is there, and births begin
 _EVERY = 100  # iterations, after which as many times `train.moving_steps` are taken with the statics as they are
@@ -53,18 +57,46 @@ class MovingSteps:
     def _step(
         self, state: TrainState, context: RoundContext, fixed: FixedView, view: TrainingView, moving: MovingTiles
     ) -> None:
-        rows = living_rows(state.dynamic, view.moment)
-        if not len(rows):
-            return
-        living = rows_taken(state.dynamic, rows)
-        living.map(lambda array: array.requires_grad_(True))
-        seen = ScreenStatistics.zeros(len(state.static) + len(rows))
-        picture = fixed.differentiable_frame(living, view.moment, tile_mask=moving.tiles, statistics=seen).rgb
-        colours = state.colours(view)
-        gradient = loss_gradient(picture.detach(), view.target, view.camera, moving, self.config.dssim, colours)
-        picture.backward(gradient)  # type: ignore[no-untyped-call]
-        living.map(lambda array: array.requires_grad_(False))
-        rates = context.schedule.dynamic_rates(context.iteration, living)
-        seen = seen.rows(slice(len(state.static), None))
-        state.move_dynamic(living, rows, rates, seen, self.config.density.dynamic_opacity_penalty)
-        state.dynamic.rgb.clamp_(0, 1)
+        def draw(living: DynamicSplats[Tensor], seen: ScreenStatistics) -> Tensor:
+            return fixed.differentiable_frame(living, view.moment, tile_mask=moving.tiles, statistics=seen).rgb
+
+        step_of_movers(state, context, self.config, view, moving, view.target, draw, statics=len(state.static))
+
+
+def step_of_movers(
+    state: TrainState,
+    context: RoundContext,
+    config: TrainConfig,
+    view: TrainingView,
+    moving: MovingTiles,
+    target: Tensor,
+    draw: Callable[[DynamicSplats[Tensor], ScreenStatistics], Tensor],
+    *,
+    statics: int = 0,
+) -> None:
+    """Take one step of the living dynamics towards a window's target; nothing without any.
+
+    Args:
+        state: changed in place; statics and colour maps stay as they are.
+        context: of the round.
+        config: of the run.
+        view: the view.
+        moving: its tiles that are drawn.
+        target: [3, h, w] of their window.
+        draw: gives the picture [3, H, W] of living dynamics, and counts them.
+        statics: splats that are drawn and counted before them.
+    """
+    rows = living_rows(state.dynamic, view.moment)
+    if not len(rows):
+        return
+    living = rows_taken(state.dynamic, rows)
+    living.map(lambda array: array.requires_grad_(True))
+    seen = ScreenStatistics.zeros(statics + len(rows))
+    picture = draw(living, seen)
+    gradient = loss_gradient(picture.detach(), target, view.camera, moving, config.dssim, state.colours(view))
+    picture.backward(gradient)  # type: ignore[no-untyped-call]
+    living.map(lambda array: array.requires_grad_(False))
+    rates = context.schedule.dynamic_rates(context.iteration, living)
+    seen = seen.rows(slice(statics, None))
+    state.move_dynamic(living, rows, rates, seen, config.density.dynamic_opacity_penalty)
+    state.dynamic.rgb.clamp_(0, 1)

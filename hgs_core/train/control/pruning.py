@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+import numpy.typing as npt
 
+from hgs_core.base.bounded_map import bounded_map
+from hgs_core.base.cores import core_pool
 from hgs_core.render.fixed_view import FixedView
+from hgs_core.scene.camera import Camera
 from hgs_core.train.checkpoint import TrainState
 from hgs_core.train.control.births import BIRTHS_AT
 from hgs_core.train.control.density import is_fog
@@ -44,10 +49,19 @@ class PruningRound:
         config, views, statics = self.config, context.views, len(state.static)
         frames, extent = context.segment.frames, context.schedule.extent
         peak = np.zeros(statics + len(state.dynamic), np.float32)
-        for camera, moments in views.poses(min(_MOMENTS, -(-frames // _FRAMES_APART))):
+
+        def seen(pose: tuple[Camera, Sequence[float]]) -> npt.NDArray[np.float32]:
+            camera, moments = pose
             fixed = FixedView(state.static, camera, antialiased=config.antialiased, backend=config.backend)
+            largest = np.zeros(statics + len(state.dynamic), np.float32)
             for moment in moments:
-                np.maximum(peak, fixed.contributions(state.dynamic, moment).peak, out=peak)
+                np.maximum(largest, fixed.contributions(state.dynamic, moment).peak, out=largest)
+            return largest
+
+        with core_pool() as pool:
+            poses = views.poses(min(_MOMENTS, -(-frames // _FRAMES_APART)))
+            for largest in bounded_map(pool, seen, poses):
+                np.maximum(peak, largest, out=peak)
         needed = peak >= config.density.prune_contribution
         needed[statics:] &= ~is_fog(state.dynamic, extent, config).numpy()
         if views.masked:

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from torch import Tensor
 
+from hgs_core.base.cores import core_pool
 from hgs_core.render.contributions import contributions
 from hgs_core.render.rasterize import rasterize
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
@@ -41,7 +42,8 @@ def temporal_residuals(
         config: of the run.
         shown: turns a picture into what the view's camera shows of it (colour correction).
     """
-    deviations = [_deviation(static, dynamic, list(views), config, shown) for views in cameras]
+    with core_pool() as pool:
+        deviations = list(pool.map(lambda views: _deviation(static, dynamic, views, config, shown), cameras))
     if not deviations:
         return np.zeros(len(static))
     stack = np.stack(deviations)  # [C, N], nan where a camera does not see the splat
@@ -54,7 +56,7 @@ def temporal_residuals(
 def _deviation(
     static: StaticSplats[Tensor],
     dynamic: DynamicSplats[Tensor],
-    views: list[TrainingView],
+    views: Iterable[TrainingView],
     config: TrainConfig,
     shown: Callable[[Tensor, TrainingView], Tensor],
 ) -> npt.NDArray[np.float64]:

@@ -16,7 +16,7 @@ CONFIG = RunConfig.from_json(
     {
         "capture": {"hold_out": ["1"]},
         "points": {"static": 100, "dynamic": 40, "interval": 0.07},
-        "train": {"iterations": 5, "density": {"every": 2, "max_static": 150, "max_dynamic": 60}},
+        "train": {"iterations": 3, "density": {"every": 2, "max_static": 150, "max_dynamic": 60}},
     }
 )
 

@@ -18,7 +18,8 @@ from hgs_core.ablate.summary import FIGURES
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, StageStopped, silent
 from hgs_core.capture.open import open_capture
-from hgs_core.points.point_cloud import PointCloud
+from hgs_core.decompose.masks import mask_file
+from hgs_core.points.kept_points import segment_points
 from hgs_core.render.rasterize import rasterize
 from hgs_core.scene.files import load_scene
 from tests.hgs_core.ablate.conftest import CONFIG, MakeAblation
@@ -73,8 +74,8 @@ def test_rows_that_start_from_the_same_share_it(everything: tuple[Ablation, Any]
     for row in ROWS.values():
         run = ablation.run(row, 0).folder
         own_points = row.masks is not None or any(field.startswith("points.") for field in row.fields)
-        assert run.points.samefile(full.points) != own_points, row.name
-        assert run.masks.samefile(full.masks) != (row.masks is not None), row.name
+        assert run.near_planes.samefile(full.near_planes) != own_points, row.name
+        assert mask_file(run.masks, 0).samefile(mask_file(full.masks, 0)) != (row.masks is not None), row.name
 
 
 def test_rows_are_what_they_say(everything: tuple[Ablation, Any]) -> None:
@@ -85,7 +86,7 @@ def test_rows_are_what_they_say(everything: tuple[Ablation, Any]) -> None:
     shares = [by_name[name]["moving"] for name in ("masks-eroded", "full", "masks-dilated", "masks-95")]
     assert shares == sorted(set(shares))
     moments = {
-        name: len(np.unique(PointCloud.load(ablation.run(ROWS[name], 0).folder.points).times))
+        name: len(np.unique(segment_points(ablation.run(ROWS[name], 0).folder.points, 0).times))
         for name in ("full", "no-interleaved-init")
     }
     assert moments["no-interleaved-init"] == 1
@@ -132,7 +133,7 @@ def test_an_interrupted_ablation_goes_on_where_it_stopped(make_ablation: MakeAbl
     assert "full 1 points" not in again
     assert "order-1 1 points" not in again
     assert [[run["seed"] for run in row["runs"]] for row in result["rows"]] == [[0, 1], [0, 1]]
-    masks = [run.folder.masks for run in ablation.runs()]
+    masks = [mask_file(run.folder.masks, 0) for run in ablation.runs()]
     assert all(file.samefile(masks[0]) for file in masks)
 
 

@@ -11,9 +11,10 @@ from hgs_core.ablate.first_points import initialise_run, moving_share
 from hgs_core.ablate.mask_changes import grown_to_share
 from hgs_core.ablate.plan import RowRun
 from hgs_core.base.progress import Progress, StageStopped, silent
-from hgs_core.decompose.masks import MotionMasks
+from hgs_core.decompose.masks import MotionMasks, mask_file
 from hgs_core.runs.creation import create_run
 from hgs_core.runs.stages import initialise
+from hgs_core.runs.training_inputs import masks_of_run
 from tests.hgs_core.ablate.conftest import MakeAblation
 
 
@@ -29,31 +30,32 @@ def runs(make_ablation: MakeAblation, tmp_path: Path) -> list[RowRun]:
 
 
 def load(run: RowRun) -> MotionMasks:
-    return MotionMasks.load(run.folder.masks, run.folder.read_spec().open_capture())
+    spec = run.folder.read_spec()
+    return masks_of_run(run.folder, spec.open_capture(), spec.config)
 
 
 def test_masks_of_a_row_are_changed_before_points_are_found(runs: list[RowRun]) -> None:
     full, grown, *_ = runs
     stages: list[str] = []
     initialise_run(grown, runs, lambda progress: stages.append(progress.stage))
-    assert list(dict.fromkeys(stages)) == ["masks", "points"]
+    assert list(dict.fromkeys(stages)) == ["masks", "frames", "points"]
     before, after = load(full), load(grown)
     assert after.cameras == before.cameras == (0, 2, 3)
     for camera in after.cameras:
         for frame in range(4):
             np.testing.assert_array_equal(after.mask(camera, frame), grown_to_share(before.mask(camera, frame), 0.6))
     assert moving_share(grown) == after.share()
-    assert grown.folder.points.read_bytes() != full.folder.points.read_bytes()
+    assert grown.folder.near_planes.read_bytes() != full.folder.near_planes.read_bytes()
 
 
 def test_masks_are_shared_between_seeds_unless_they_vary(runs: list[RowRun]) -> None:
     for run in runs[1:]:
         initialise_run(run, runs, silent)
-    masks = {(run.row.name, run.seed): run.folder.masks for run in runs}
+    masks = {(run.row.name, run.seed): mask_file(run.folder.masks, 0) for run in runs}
     assert masks["full", 0].samefile(masks["full", 1])
     assert masks["masks-60", 0].samefile(masks["masks-60", 1])
     assert masks["masks-blobs", 0].read_bytes() != masks["masks-blobs", 1].read_bytes()
-    assert len({run.folder.points.read_bytes() for run in runs}) == 6
+    assert len({run.folder.near_planes.read_bytes() for run in runs}) == 6
 
 
 def test_masks_that_are_there_are_used_by_a_resumed_stage(runs: list[RowRun]) -> None:
@@ -65,11 +67,11 @@ def test_masks_that_are_there_are_used_by_a_resumed_stage(runs: list[RowRun]) ->
 
     with pytest.raises(StageStopped):
         initialise(run.path, stop_at_points)
-    written = run.folder.masks.stat().st_mtime_ns
+    written = mask_file(run.folder.masks, 0).stat().st_mtime_ns
     stages: list[str] = []
     initialise(run.path, lambda progress: stages.append(progress.stage))
-    assert set(stages) == {"points"}
-    assert run.folder.masks.stat().st_mtime_ns == written
+    assert set(stages) == {"frames", "points"}
+    assert mask_file(run.folder.masks, 0).stat().st_mtime_ns == written
 
 
 def test_where_there_are_no_hard_links_files_are_copied(runs: list[RowRun], monkeypatch: pytest.MonkeyPatch) -> None:
@@ -79,5 +81,6 @@ def test_where_there_are_no_hard_links_files_are_copied(runs: list[RowRun], monk
     monkeypatch.setattr(Path, "hardlink_to", no_links)
     initialise_run(runs[3], runs, silent)
     full, other = runs[0].folder, runs[3].folder
-    assert not other.masks.samefile(full.masks)
-    assert other.masks.read_bytes() == full.masks.read_bytes()
+    ours, theirs = mask_file(other.masks, 0), mask_file(full.masks, 0)
+    assert not ours.samefile(theirs)
+    assert ours.read_bytes() == theirs.read_bytes()

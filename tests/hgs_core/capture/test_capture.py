@@ -52,7 +52,7 @@ def test_the_cache_never_holds_more_than_its_budget(n3dv: Path, budget: int) -> 
     for frame in (5, 0, 3, 1, 4, 2):
         for camera in (0, 1):
             assert level(capture.frame(camera, frame)) == 20 + 60 * camera + 10 * frame
-            assert capture._cache.bytes_held <= budget
+            assert capture._pictures.bytes_in_memory <= budget
 
 
 class CountingSource:
@@ -101,7 +101,7 @@ def test_blocks_of_time_decode_each_frame_once(n3dv: Path, monkeypatch: pytest.M
     """The trainer visits a block of frames in all cameras in any order, then the next block."""
     capture = open_capture(n3dv, cache_bytes=2 * 3 * PICTURE)  # three frames of two cameras
     converted = []
-    for video in capture._source._recording.readers:  # type: ignore[attr-defined]
+    for video in capture._pictures._source._recording.readers:  # type: ignore[attr-defined]
         picture = video._picture
         monkeypatch.setattr(video, "_picture", lambda frame, picture=picture: (converted.append(1), picture(frame))[1])
     for block in ((2, 0, 1), (5, 3, 4)):

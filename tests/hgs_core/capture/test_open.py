@@ -25,8 +25,10 @@ def test_of_two_layouts_in_one_folder_the_first_known_is_taken(panoptic: Path, n
     assert open_capture(panoptic).cameras[0].name == "3"
 
 
-def test_empty_folder_lists_the_layouts(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"the folder is empty; the cameras' formats known are PanopticSports .* N3DV"):
+def test_an_empty_folder_is_to_get_videos(tmp_path: Path) -> None:
+    with pytest.raises(
+        InputError, match=r"the folder is empty; put a video of each camera into it, cam00\.mp4 and so on$"
+    ):
         open_capture(tmp_path)
 
 

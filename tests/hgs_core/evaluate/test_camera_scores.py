@@ -3,7 +3,7 @@ from __future__ import annotations
 import torch
 from torch import Tensor
 
-from hgs_core.evaluate.camera_scores import CameraScores, combine
+from hgs_core.evaluate.camera_scores import CameraScores, FrameScores, combine
 from hgs_core.evaluate.picture_scores import PictureScorer
 from hgs_core.metrics.colour_corrected_psnr import ColourCorrectedError, colour_corrected_psnr
 from hgs_core.metrics.flicker import flicker
@@ -22,9 +22,9 @@ def clip(seed: int) -> tuple[Tensor, Tensor, Tensor]:
 
 
 def scored(images: Tensor, truths: Tensor, moving: Tensor | None) -> CameraScores:
-    scores = CameraScores(PictureScorer(None, False))
+    scores, scorer = CameraScores(), PictureScorer(None, False)
     for i, (image, truth) in enumerate(zip(images, truths, strict=True)):
-        scores.add(image, truth, None if moving is None else moving[i])
+        scores.add(FrameScores.of(scorer, image, truth, None if moving is None else moving[i]))
     scores.finish()
     return scores
 

@@ -44,8 +44,9 @@ def test_nearer_eyes_see_the_same_surfaces(finished: Path) -> None:
 
 def test_a_walk_goes_along_the_axis() -> None:
     camera = Camera("a", 64, 64, 50.0, 50.0, 32.0, 32.0, looking_at((1.0, 0.5, -3.0), (0.0, 0.0, 0.0)))
-    moved = walked(camera, 1.5)
+    moved = walked(camera, 0.25, 6.0)
     np.testing.assert_allclose(moved.position - camera.position, 1.5 * camera.world_to_camera[2, :3], atol=1e-12)
+    assert moved.near == 0.75 * camera.near
 
 
 @pytest.mark.parametrize("factor", [1, 9])

@@ -2,7 +2,10 @@ from __future__ import annotations
 
 import json
 import math
+import threading
+from itertools import count
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,6 +14,7 @@ import torch
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, silent
 from hgs_core.capture.open import open_capture
+from hgs_core.evaluate.picture_scores import PictureScorer
 from hgs_core.evaluate.run import evaluate_run
 from hgs_core.render.reference import rasterize_reference
 from hgs_core.render.types import View
@@ -29,6 +33,28 @@ def test_the_held_out_cameras_are_scored_and_every_frame_is_kept(finished: Path)
     assert result["psnr"] > 35  # the scene is the true one: the loss is that of JPEG and of quantised splats
     assert result["flicker"] < 0.02
     assert (result["truth"], result["masks"]) == ("capture", "automatic")
+
+
+def test_frames_are_scored_side_by_side(finished: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    score, second_begins, begun = PictureScorer.score, threading.Event(), count()
+
+    def waits_for_the_second(self: PictureScorer, *pictures: Any) -> dict[str, float | None]:
+        if next(begun) > 0:
+            second_begins.set()
+        assert second_begins.wait(60)
+        return score(self, *pictures)
+
+    monkeypatch.setenv("HGS_THREADS", "2")
+    monkeypatch.setattr(PictureScorer, "score", waits_for_the_second)
+    evaluate_run(finished, silent, cameras=["2"])
+
+
+def test_scores_are_the_same_for_any_number_of_threads(finished: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    results = []
+    for threads in ("1", "5"):
+        monkeypatch.setenv("HGS_THREADS", threads)
+        results.append(evaluate_run(finished, silent))
+    assert results[0] == results[1]
 
 
 def test_pictures_are_darkened_as_the_lenses_of_training_do(finished: Path) -> None:

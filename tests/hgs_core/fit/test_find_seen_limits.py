@@ -1,10 +1,11 @@
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from hgs_core.codec.encoder.find_captured_space import find_captured_space
@@ -69,7 +70,9 @@ places = st.builds(Place, st.floats(-0.7, 0.7), st.floats(-0.2, 0.4), st.floats(
 
 
 @settings(max_examples=30)
+@example([Place(0.453125, 0.0004, 1.0)], ARC)
 @given(st.lists(places, max_size=5), st.sampled_from([ARC, DOME]))
+@example([Place(-0.6003688207600577, 0.0, 1.01)], ARC)
 def test_the_cameras_own_places_are_inside(own: list[Place], box: CapturedSpace) -> None:
     space = CapturedSpace(
         box.front, box.azimuth, box.elevation, box.distance, limits_where(lambda _: 0.0, 0.95, box, own)
@@ -121,6 +124,16 @@ def test_around_a_subject_in_the_dark_there_are_no_such_limits() -> None:
     space = find_captured_space(RIG, CENTER, UP)
     assert space is not None
     assert with_seen_limits(space, CENTER, UP, scene=scene_of(wall(0.5, 0.5)), cameras=RIG) == space
+
+
+@pytest.mark.parametrize(("depth", "width"), [(0.1, 0.6), (4.0, 10.0)])
+def test_a_sparse_rig_has_no_limits_and_starts_without_a_room_of_single_views(depth: float, width: float) -> None:
+    rig = [filming(angle) for angle in np.radians([-60, 0, 60])]
+    space = find_captured_space(rig, CENTER, UP)
+    assert space is not None
+    found = with_seen_limits(space, CENTER, UP, scene=scene_of(wall(width, width / 3, depth)), cameras=rig)
+    # As seen from a wall close behind the subject the cameras are 60 degrees apart, from one far behind it about 20.
+    assert found == dataclasses.replace(space, subject_only=depth < 1)
 
 
 def test_a_scene_without_splats_has_no_such_limits() -> None:

@@ -5,14 +5,17 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pytest
 import torch
 
 from hgs_core.codec.encoder.utility import GUESSED_TRANSMITTANCE, LOW_PASS
+from hgs_core.fit import measured_utility
 from hgs_core.fit.measured_utility import measure_utility
 from hgs_core.render.reference import rasterize_reference
 from hgs_core.render.types import View
 from hgs_core.scene import DynamicSplats, HybridScene, Segment, StaticSplats
 from tests.synthetic import ring_of_cameras, synthetic_scene, write_capture
+from tests.worker_threads import threads_of
 
 
 def test_utility_is_what_the_squared_error_grows_by_when_a_colour_changes(tmp_path: Path) -> None:
@@ -106,3 +109,20 @@ def test_what_no_picture_shows_is_missed_without_limit_and_shows_by_its_size() -
         area = np.pi * ((0.1 * cameras[0].fx / near) ** 2 + LOW_PASS)
         alpha = GUESSED_TRANSMITTANCE / (1 + np.exp(-4.0))
         np.testing.assert_allclose(shown, area * alpha**2 / 5, rtol=1e-3)  # three pictures and two more
+
+
+@pytest.mark.parametrize("any_background", [False, True])
+def test_views_are_drawn_on_all_cores_to_the_same_bits(monkeypatch: pytest.MonkeyPatch, any_background: bool) -> None:
+    threads = threads_of(monkeypatch, measured_utility, "rasterize")
+    static, dynamic = synthetic_scene()
+    given = HybridScene(static, (Segment(0.0, 5 / 30, dynamic),)).map(lambda tensor: tensor.numpy())
+    found = []
+    for count in ("1", "4"):
+        monkeypatch.setenv("HGS_THREADS", count)
+        times = np.linspace(0, 5 / 30, 20)
+        found.append(measure_utility(given, ring_of_cameras(4, 64, 48), times, any_background=any_background))
+    for alone, together in zip((found[0].static, *found[0].dynamic), (found[1].static, *found[1].dynamic), strict=True):
+        np.testing.assert_array_equal(alone.shown, together.shown)
+        np.testing.assert_array_equal(alone.missed, together.missed)
+    assert threads
+    assert "MainThread" not in threads

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
@@ -45,6 +47,17 @@ def test_where_the_cameras_stand_nearly_all_is_seen() -> None:
 def test_what_one_camera_saw_is_not_seen() -> None:
     share = SeenShare(scene_of(wall()), [camera(-1.0, -2, to=-1.0), camera(1.0, -2, to=1.0)])
     assert share.of(camera(0.0, -2)) == pytest.approx(0.5, abs=0.06)  # their pictures meet in the middle two units
+
+
+def test_a_second_view_is_one_from_a_small_angle() -> None:
+    share = SeenShare(scene_of(wall()), [camera(-1.0, -2, to=-1.0), camera(1.0, -2, to=1.0)])
+    assert share.twice(math.radians(60)) == pytest.approx(0.5, abs=0.06)  # the angle is 45 to 53 degrees
+    assert share.twice(math.radians(40)) < 0.02
+    assert SeenShare(scene_of(wall()), RIG).twice(math.radians(40)) > 0.85
+
+
+def test_where_nothing_stands_still_nothing_lacks_a_second_view() -> None:
+    assert SeenShare(scene_of(wall(0, 0)), RIG).twice(1.0) == 1
 
 
 def test_a_single_camera_is_its_own_witness() -> None:

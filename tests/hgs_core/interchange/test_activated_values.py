@@ -60,3 +60,17 @@ def test_millimetres_have_positive_logarithms_of_scales(written: Write) -> None:
     table |= {axis: columns()[axis] * 1000 for axis in "xyz"}
     assert (table["scale_0"] > 0).all()
     assert told(written("x.ply", write_ply(table)))[1] == []
+
+
+def test_the_answer_is_taken_for_those_numbers_alone_that_can_be_as_they_are_drawn(written: Write) -> None:
+    """Scales below 0 are logarithms, and opacities beyond 1 logits."""
+    same = columns() | {"opacity": np.full(COUNT, 2.5)}
+    plain, _ = told(written("x.ply", write_ply(same)))
+    for given, expected in (({"scales": False}, ["opacity"]), ({"opacity": False}, ["scale"])):
+        path = written("y.ply", write_ply(activated(same, **given)))
+        found, changes = told(path, activated=True)
+        assert changes == expected
+        np.testing.assert_allclose(found.log_scales, plain.log_scales, atol=1e-5)
+        np.testing.assert_allclose(found.opacity_logits, plain.opacity_logits, atol=1e-3)
+    with pytest.raises(InputError, match=r"holds no number as it is drawn: .*; import it without --activated$"):
+        import_scene(written("z.ply", write_ply(same)), activated=True)

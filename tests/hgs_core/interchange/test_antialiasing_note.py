@@ -70,7 +70,8 @@ def test_what_is_exported_comes_back_without_a_flag(tmp_path: Path, name: str, a
 
 def test_a_file_that_says_nothing_is_told_and_an_answer_is_taken(written: Write) -> None:
     names = ["x", "y", "z", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3", "opacity"]
-    table = {name: np.zeros(2) for name in (*names, "f_dc_0", "f_dc_1", "f_dc_2")} | {"rot_0": np.ones(2)}
+    table = {name: np.zeros(2) for name in (*names, "f_dc_0", "f_dc_1", "f_dc_2")}
+    table |= dict.fromkeys(("x", "rot_0"), np.ones(2))
     path = written("x.ply", write_ply(table))
     found = import_scene(path)
     assert (found.scene.antialiased, found.antialiased, found.changes) == (False, None, (UNTOLD,))

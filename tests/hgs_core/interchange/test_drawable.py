@@ -22,14 +22,16 @@ def reasons(path: object) -> dict[str, int | None]:
     return {change.reason: change.count for change in import_scene(path).changes}  # type: ignore[arg-type]
 
 
-def test_rows_of_zeros_are_left_out(written: Write) -> None:
-    """Unfilled rows would be drawn as a fog: a scale of e^0 and half an opacity."""
+@pytest.mark.parametrize("turn", [0.0, 1.0])
+def test_rows_of_zeros_are_left_out(written: Write, turn: float) -> None:
+    """Unfilled rows would be drawn as a fog: a scale of e^0, half an opacity; perhaps with a rotation of 1, 0, 0, 0."""
     given = statics()
     for _, array in given.items():
         array[10:] = 0
+    given.quats[10:, 0] = turn
     found = import_scene(written("x.ply", gaussian_ply_of(given)))
     assert (len(found.scene.static), found.splats) == (10, 50)
-    assert str(found.changes[0]).startswith("40 of 50 splats left out: scale, rotation and opacity are all 0")
+    assert str(found.changes[0]).startswith("40 of 50 splats left out: scale, opacity, and rotation or place")
 
 
 @pytest.mark.parametrize(("value", "reason"), [(0.0, NONE), (1e-30, NONE), (7.0, UNEVEN), (1e30, UNEVEN)])

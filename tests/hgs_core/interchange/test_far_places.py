@@ -38,6 +38,27 @@ def test_far_away_places_look_as_they_do_near_the_origin(written: Write, offset:
     assert -10 * np.log10(((pictures[0] - pictures[1]) ** 2).mean() + 1e-12) > 50
 
 
+def test_places_that_a_file_rounds_to_more_than_half_a_splat_are_told(written: Write) -> None:
+    """Map coordinates in 32 bits, or in too few digits: no reader can bring them back."""
+    near, far = columns(), columns() | {"y": columns()["y"] + 5.4e6}
+    text = "\n".join(" ".join(f"{number:.6g}" for number in row) for row in zip(*far.values(), strict=True))
+    header = "".join(f"property double {name}\n" for name in far)
+    ascii_ply = f"ply\nformat ascii 1.0\nelement vertex {COUNT}\n{header}end_header\n{text}\n".encode()
+    steps = {
+        name: [change.reason.partition(";")[0] for change in import_scene(path).changes if change.what == "places"][1:]
+        for name, path in {
+            "near": written("x.ply", write_ply(near)),
+            "floats": written("y.ply", write_ply(far)),
+            "digits": written("z.ply", ascii_ply),
+        }.items()
+    }
+    assert steps == {
+        "near": [],
+        "floats": ["the file holds them in steps of 0.5"],
+        "digits": ["the file holds them in steps of 10"],
+    }
+
+
 def test_a_capture_keeps_places_where_they_are(written: Write) -> None:
     table = columns() | {"x": columns()["x"] + 1e6}
     found = import_scene(written("x.ply", write_ply(table)), centred=False)

@@ -2,7 +2,9 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
+import gzip
 import tempfile
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -101,13 +103,24 @@ def test_a_kind_that_another_program_reads_has_the_command_in_the_line(tmp_path:
         ("x.ply", b"\x1f\x8b\x08\x00", ".spz"),
         ("x.ply", b"glTF\x02\0\0\0", ".glb"),
         ("x", b"ply\r\n", ".ply"),
-        ("x.zip", b"PK\x03\x04", ".sog"),
     ],
 )
 def test_a_file_of_another_suffix_is_told_its_own(tmp_path: Path, name: str, data: bytes, right: str) -> None:
     (tmp_path / name).write_bytes(data)
     with pytest.raises(InputError, match=rf"begins as a \{right} file; rename it to x\{right}$"):
         import_scene(tmp_path / name)
+
+
+def test_an_archive_is_unpacked_by_the_command_in_the_line(tmp_path: Path) -> None:
+    """Both commands were tried; an archive of pictures is a scene."""
+    (tmp_path / "a statue.ply.gz").write_bytes(gzip.compress(b"ply"))
+    with pytest.raises(InputError, match=r"is compressed; gunzip 'a statue\.ply\.gz', and import a statue\.ply$"):
+        import_scene(tmp_path / "a statue.ply.gz")
+    for held, line in (("statue.ply", r"unzip x\.zip, and import the file"), ("x/meta.json", r"rename it to x\.sog")):
+        with zipfile.ZipFile(tmp_path / "x.zip", "w") as archive:
+            archive.writestr(held, "{}")
+        with pytest.raises(InputError, match=line):
+            import_scene(tmp_path / "x.zip")
 
 
 @pytest.mark.parametrize("name", ["X.PLY", "x.Splat", "x.SPZ"])

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from hgs_core.base.errors import InputError
 from hgs_core.interchange import import_scene
 from hgs_core.interchange.ply.ply_table import write_ply
 from hgs_core.scene import StaticSplats
@@ -56,3 +57,11 @@ def test_a_surfel_is_a_flat_splat(written: Write) -> None:
     assert changes == ["thickness"]
     np.testing.assert_allclose(found.log_scales[:, 2], np.log(1e-6), rtol=1e-6)
     np.testing.assert_allclose(found.log_scales[:, :2], statics(COUNT).log_scales[:, :2])
+
+
+def test_the_points_that_a_training_begins_with_are_no_splats(written: Write) -> None:
+    points = {name: columns()[name] for name in ("x", "y", "z")} | dict.fromkeys(
+        ("red", "green", "blue"), np.ones(COUNT)
+    )
+    with pytest.raises(InputError, match=r"holds points, not splats: .*point_cloud/iteration_30000/point_cloud\.ply$"):
+        import_scene(written("x.ply", write_ply(points)))

@@ -54,5 +54,13 @@ def test_of_a_region_it_is_the_mean_of_its_pixels() -> None:
     generator = torch.Generator().manual_seed(1)
     x, y = (torch.rand(3, 20, 30, generator=generator) for _ in range(2))
     region = torch.rand(20, 30, generator=generator) < 0.1
-    assert region_ssim(x, y, region) == pytest.approx(float(ssim_map(x, y)[:, region].mean()))
+    assert region_ssim(x, y, region) == pytest.approx(
+        float(ssim_map(x.double(), y.double())[:, region].mean()), abs=1e-6
+    )
+    for rows, columns in ((slice(0, 3), slice(25, 30)), (slice(9, 10), slice(14, 15)), (slice(17, 20), slice(0, 9))):
+        part = torch.zeros(20, 30, dtype=torch.bool)
+        part[rows, columns] = True
+        assert region_ssim(x, y, part) == pytest.approx(
+            float(ssim_map(x.double(), y.double())[:, part].mean()), abs=1e-6
+        )
     assert region_ssim(x, y, torch.zeros_like(region)) is None

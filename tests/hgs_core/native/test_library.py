@@ -8,7 +8,6 @@ import sys
 
 import pytest
 
-from hgs_core.base.errors import InputError
 from hgs_core.native import library
 
 PRINT = "from hgs_core.native import library; print(library.available(), library.instruction_set())"
@@ -50,16 +49,6 @@ def test_a_missing_library_is_warned_about_once() -> None:
     )
     result = in_new_process(code)
     assert result.stdout.split() == ["False", "False", "1"], result.stderr
-
-
-def test_threads(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("HGS_THREADS", "3")
-    assert library.thread_count() == 3
-    monkeypatch.setenv("HGS_THREADS", "many")
-    with pytest.raises(InputError, match="HGS_THREADS: 'many' is not a positive integer"):
-        library.thread_count()
-    monkeypatch.delenv("HGS_THREADS")
-    assert library.thread_count() >= 1
 
 
 def test_statuses_become_exceptions() -> None:

@@ -9,16 +9,17 @@ import numpy as np
 import pytest
 
 from hgs_core.base.errors import InputError
-from hgs_core.base.progress import Progress, StageStopped, silent
+from hgs_core.base.progress import silent
 from hgs_core.capture.capture import Capture
 from hgs_core.capture.open import open_capture
 from hgs_core.decompose.masks import MotionMasks, motion_masks
 from hgs_core.native import library
-from hgs_core.points.initial_points import initial_points
+from hgs_core.points.initial_points import PointSearch
 from hgs_core.points.point_cloud import PointCloud
 
 VIEWS = (1, 3, 5, 7, 9, 11)
-TARGETS: dict[str, Any] = {"moments": (0, 30), "static_target": 2500, "dynamic_target": 600, "normals": True, "seed": 0}
+MOMENTS = (0, 30)
+TARGETS: dict[str, Any] = {"static_target": 2500, "dynamic_target": 600, "normals": True}
 
 
 class OnlyViews(Capture):
@@ -41,14 +42,22 @@ def masks(capture: Capture) -> MotionMasks:
     return motion_masks(capture, VIEWS, progress=silent)
 
 
-@pytest.fixture(scope="module")
-def reports() -> list[Progress]:
-    return []
+def found(capture: Capture, masks: MotionMasks, moments: tuple[int, ...] = MOMENTS, **targets: Any) -> PointCloud:
+    search = PointSearch(capture, VIEWS, masks, **(TARGETS | targets))
+    generator = np.random.default_rng(0)
+    features = search.features(moments[0])
+    ranges = search.ranges(features)
+    parts = [search.still(features, ranges, generator)]
+    count = search.dynamic_target // len(moments)
+    parts += [
+        search.moving(frame, count, ranges, generator, features if frame == moments[0] else None) for frame in moments
+    ]
+    return PointCloud.concatenate(parts)
 
 
 @pytest.fixture(scope="module")
-def points(capture: Capture, masks: MotionMasks, reports: list[Progress]) -> PointCloud:
-    return initial_points(capture, VIEWS, masks, progress=reports.append, **TARGETS)
+def points(capture: Capture, masks: MotionMasks) -> PointCloud:
+    return found(capture, masks)
 
 
 def test_the_targets_are_met(points: PointCloud) -> None:
@@ -79,8 +88,8 @@ def test_what_stands_still_knows_the_surfaces_it_lies_on(points: PointCloud) -> 
 
 
 def test_a_coarse_sweep_and_no_surfaces_can_be_asked_for(capture: Capture, masks: MotionMasks) -> None:
-    asked = TARGETS | {"static_target": 9_000, "moments": (0,), "dynamic_target": 50, "normals": False}
-    points = initial_points(capture, VIEWS, masks, progress=silent, stereo=False, **asked)
+    asked: dict[str, Any] = {"static_target": 9_000, "dynamic_target": 50, "normals": False, "stereo": False}
+    points = found(capture, masks, (0,), **asked)
     assert 1_000 < (points.dynamic < 0.5).sum() <= 6_500
     assert not points.normal.any()
 
@@ -109,26 +118,13 @@ def test_moving_points_project_into_the_masks(points: PointCloud, capture: Captu
     assert np.mean(inside) > 0.8
 
 
-def test_progress_rises_to_its_total(points: PointCloud, reports: list[Progress]) -> None:
-    assert [report.done for report in reports] == list(range(5))
-    assert reports[-1].total == 4
-
-
-def test_the_callback_can_stop_the_stage(capture: Capture, masks: MotionMasks) -> None:
-    def stop(progress: Progress) -> None:
-        raise StageStopped
-
-    with pytest.raises(StageStopped):
-        initial_points(capture, VIEWS, masks, progress=stop, **TARGETS)
-
-
 def test_one_camera_is_too_few(capture: Capture, masks: MotionMasks) -> None:
     with pytest.raises(InputError, match="1 camera to start from"):
-        initial_points(capture, VIEWS[:1], masks, progress=silent, **TARGETS)
+        PointSearch(capture, VIEWS[:1], masks, **TARGETS)
 
 
 def test_the_same_seed_gives_the_same_bits(points: PointCloud, capture: Capture, masks: MotionMasks) -> None:
-    again = initial_points(capture, VIEWS, masks, progress=silent, **TARGETS)
+    again = found(capture, masks)
     for name in ("xyz", "rgb", "times", "dynamic", "spacing"):
         assert getattr(again, name).tobytes() == getattr(points, name).tobytes()
 
@@ -144,7 +140,7 @@ def test_what_moves_is_taken_from_cameras_that_are_in_step_at_their_own_time(
     capture: Capture, masks: MotionMasks, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(capture, "__class__", HalfLate)
-    points = initial_points(capture, VIEWS, masks, progress=silent, **(TARGETS | {"static_target": 100}))
+    points = found(capture, masks, static_target=100)
     times = np.unique(points.times[points.dynamic >= 0.5])
     np.testing.assert_allclose(times, [0.0, 0.5 / 30, 1.0, 1.0 + 0.5 / 30], atol=1e-6)
 
@@ -155,7 +151,7 @@ def test_without_kernels_a_coarse_sweep_has_to_do(
     monkeypatch.setenv("HGS_NATIVE_ISA", "none")
     library._loaded.cache_clear()
     try:
-        points = initial_points(capture, VIEWS, masks, progress=silent, **(TARGETS | {"static_target": 9_000}))
+        points = found(capture, masks, static_target=9_000)
     finally:
         monkeypatch.undo()
         library._loaded.cache_clear()

@@ -76,4 +76,4 @@ def test_all_pictures_are_decoded(page: Page) -> None:
     page.evaluate("() => { for (const d of document.querySelectorAll('details')) d.open = true; }")
     sizes = page.evaluate("() => Promise.all([...document.images].map(i => i.decode().then(() => i.naturalWidth)))")
     assert sizes
-    assert set(sizes) == {64}
+    assert set(sizes) == {16, 32, 64}  # crops are smaller

@@ -89,6 +89,21 @@ def test_segments_in_any_order_make_the_same_bits(begun: Path, in_one_process: P
     assert (run / "scene.npz").read_bytes() == (in_one_process / "scene.npz").read_bytes()
 
 
+def test_a_scene_grows_without_another_look_at_the_segments_it_has(in_one_process: Path, tmp_path: Path) -> None:
+    run = shutil.copytree(in_one_process, tmp_path / "run")
+    shutil.rmtree(run / "scene")
+    (run / "segments" / "2").rename(tmp_path / "2")
+    assert assemble(run) == 2
+    (run / "segments" / "0" / "manifest.json").write_text("not looked at")
+    (tmp_path / "2").rename(run / "segments" / "2")
+    assert assemble(run) == 3
+    document = json.loads((run / "scene" / "manifest.json").read_text())
+    whole = json.loads((in_one_process / "scene" / "manifest.json").read_text())
+    assert document.pop("live") == 3
+    assert document | {"training": whole["training"]} == whole
+    assert chunks_of(run) == chunks_of(in_one_process)
+
+
 def stop_half_way(progress: Progress) -> None:
     if progress.done >= progress.total // 2:
         raise StageStopped

@@ -13,7 +13,7 @@ from PIL import Image
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import silent
 from hgs_core.decompose.masks import motion_masks
-from hgs_core.points.point_cloud import PointCloud
+from hgs_core.points.near_plane import save_near_planes, with_near_planes
 from hgs_core.runs.creation import create_run
 from hgs_core.runs.encode_inputs import trained_scene, training_states, views_of_run
 from hgs_core.runs.run_config import RunConfig
@@ -39,9 +39,8 @@ def folder(tmp_path: Path) -> RunFolder:
     write_capture(tmp_path / "capture")
     create_run(tmp_path / "run", tmp_path / "capture", HELD_OUT)
     folder = RunFolder(tmp_path / "run")
-    origin = np.zeros((50, 3), np.float32)
-    ones = np.ones(50, np.float32)
-    PointCloud.at_rest(origin, origin, 0 * ones, 0 * ones, ones).save(folder.points)
+    cameras = folder.open_capture(folder.read_spec()).cameras
+    save_near_planes(folder.near_planes, with_near_planes(cameras, np.zeros((50, 3), np.float32)))
     return folder
 
 
@@ -79,7 +78,7 @@ def test_the_views_are_the_capture_s_but_for_those_held_out(folder: RunFolder, s
 def test_the_masks_of_the_training_tell_what_moves(folder: RunFolder, scene: HybridScene[np.ndarray]) -> None:
     capture = folder.read_spec().open_capture()
     masks = motion_masks(capture, [0, 1, 3, 4], progress=silent)
-    masks.save(folder.masks)
+    masks.save(folder.masks, [0])
     moving = views_of_run(folder, folder.read_spec(), scene).moving
     assert moving is not None
     assert moving(3, 4).any()

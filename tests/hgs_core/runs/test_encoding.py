@@ -10,7 +10,7 @@ import pytest
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import silent
 from hgs_core.codec import load_manifest
-from hgs_core.points.point_cloud import PointCloud
+from hgs_core.points.near_plane import save_near_planes, with_near_planes
 from hgs_core.runs.creation import create_run
 from hgs_core.runs.encoding import Encoded, encode, encode_again
 from hgs_core.runs.run_config import RunConfig
@@ -29,8 +29,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> RunFolder:
     folder = RunFolder(path / "run")
     static, dynamic = (splats.map(lambda array: array.numpy()) for splats in synthetic_scene())
     save_scene(folder.trained, HybridScene[np.ndarray](static, (Segment(0.0, 1.0, dynamic),)))
-    origin, ones = np.zeros((50, 3), np.float32), np.ones(50, np.float32)
-    PointCloud.at_rest(origin, origin, 0 * ones, 0 * ones, ones).save(folder.points)
+    cameras = folder.open_capture(folder.read_spec()).cameras
+    save_near_planes(folder.near_planes, with_near_planes(cameras, np.zeros((50, 3), np.float32)))
     folder.train_summary.write_text('{"iterations": 60}')
     return folder
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hgs_core.base.errors import InputError
-from hgs_core.scene.camera import Camera, looking_at
+from hgs_core.scene.camera import Camera, looking_at, neighbour_angle
 
 
 @pytest.mark.parametrize(
@@ -49,3 +49,39 @@ def test_a_camera_looks_at_a_point_with_the_worlds_y_down_and_nothing_mirrored()
 def test_a_picture_is_reduced_by_the_least_whole_factor(size: tuple[int, int], expected: tuple[int, int]) -> None:
     within = Camera("c", *size, 50.0, 50.0, 32.0, 24.0, np.eye(4)).within(1000)
     assert (within.width, within.height) == expected
+
+
+@pytest.mark.parametrize(
+    ("pixel", "depth", "shown", "with_a_tenth_beside"),
+    [
+        ((0.0, 0.0), 1.0, True, True),
+        ((99.9, 49.9), 1.0, True, True),
+        ((100.0, 20.0), 1.0, False, True),
+        ((-10.0, -5.0), 1.0, False, True),
+        ((-10.1, 20.0), 1.0, False, False),
+        ((50.0, 55.0), 1.0, False, False),
+        ((50.0, 20.0), 0.5, False, False),  # the near plane
+        ((np.nan, 20.0), 1.0, False, False),
+    ],
+)
+def test_a_point_is_shown_within_the_sides_and_beyond_the_near_plane(
+    pixel: tuple[float, float], depth: float, shown: bool, with_a_tenth_beside: bool
+) -> None:
+    camera = Camera("a", 100, 50, 80.0, 80.0, 50.0, 25.0, np.eye(4), near=0.5)
+    pixels, depths = np.array([pixel]), np.array([depth])
+    assert camera.shows(pixels, depths) == shown
+    assert camera.shows(pixels, depths, beside=0.1) == with_a_tenth_beside
+
+
+def test_another_depth_may_take_the_place_of_the_near_plane() -> None:
+    camera = Camera("a", 100, 50, 80.0, 80.0, 50.0, 25.0, np.eye(4), near=0.5)
+    pixels, depths = np.full((3, 2), 10.0), np.array([0.0, 0.4, 0.6])
+    assert camera.shows(pixels, depths).tolist() == [False, False, True]
+    assert camera.shows(pixels, depths, beyond=0).tolist() == [False, True, True]
+
+
+def test_the_angle_between_neighbours_is_the_median_of_those_to_the_nearest_other() -> None:
+    angles = np.deg2rad([0.0, 10.0, 50.0])
+    directions = np.stack([np.cos(angles), np.sin(angles), np.zeros(3)], 1)
+    assert neighbour_angle(directions) == pytest.approx(np.deg2rad(10))
+    assert neighbour_angle(directions[:1]) == 0.0

@@ -14,9 +14,10 @@ from hgs_core.decompose.masks import MotionMasks, motion_masks
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.train.checkpoint import TrainState, fresh_state
 from hgs_core.train.control import Round, RoundContext
+from hgs_core.train.density_config import DensityConfig
 from hgs_core.train.schedule import Schedule
 from hgs_core.train.segment_cuts import CaptureSegment, cut_into_segments
-from hgs_core.train.train_config import DensityConfig, TrainConfig
+from hgs_core.train.train_config import TrainConfig
 from hgs_core.train.training_views import TrainingViews
 from tests.synthetic import write_capture
 

@@ -13,10 +13,11 @@ from hgs_core.decompose.masks import motion_masks
 from hgs_core.points.point_cloud import PointCloud
 from hgs_core.render import rasterize
 from hgs_core.scene import DynamicSplats, StaticSplats
+from hgs_core.train.density_config import DensityConfig
 from hgs_core.train.initial_splats import initial_splats
 from hgs_core.train.segment_cuts import cut_into_segments
 from hgs_core.train.splat_sets import joined
-from hgs_core.train.train_config import DensityConfig, TrainConfig
+from hgs_core.train.train_config import TrainConfig
 from hgs_core.train.trainer import Trainer
 from tests.synthetic import event_splats, synthetic_scene, write_capture
 

@@ -8,8 +8,9 @@ import pytest
 import torch
 
 from hgs_core.scene.splats import DynamicSplats
+from hgs_core.train.density_config import DensityConfig
 from hgs_core.train.schedule import Schedule
-from hgs_core.train.train_config import DensityConfig, LearningRates, TrainConfig
+from hgs_core.train.train_config import LearningRates, TrainConfig
 
 CONFIG = TrainConfig(
     learning_rates=LearningRates(position=1e-3, position_final=1e-5),

@@ -22,11 +22,12 @@ from hgs_core.capture.capture import Capture
 from hgs_core.capture.open import open_capture
 from hgs_core.render import rasterize
 from hgs_core.scene import DynamicSplats, StaticSplats
+from hgs_core.train.density_config import DensityConfig
 from hgs_core.train.loss import photometric_loss
 from hgs_core.train.rmsprop import BETA
 from hgs_core.train.segment_cuts import cut_into_segments
 from hgs_core.train.targets import target_picture
-from hgs_core.train.train_config import DensityConfig, LabelConfig, TrainConfig
+from hgs_core.train.train_config import LabelConfig, TrainConfig
 from hgs_core.train.trainer import Trainer
 from tests.synthetic import write_capture
 

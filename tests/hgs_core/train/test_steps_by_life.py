@@ -13,10 +13,11 @@ import torch
 from hgs_core.base.progress import silent
 from hgs_core.capture.open import open_capture
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
+from hgs_core.train.density_config import DensityConfig
 from hgs_core.train.rmsprop import RmsProp
 from hgs_core.train.schedule import Schedule, share_alive
 from hgs_core.train.segment_cuts import cut_into_segments
-from hgs_core.train.train_config import DensityConfig, TrainConfig
+from hgs_core.train.train_config import TrainConfig
 from hgs_core.train.trainer import Trainer
 from tests.synthetic import write_capture
 

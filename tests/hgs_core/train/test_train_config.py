@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from hgs_core.train.train_config import DensityConfig, LabelConfig, TrainConfig
+from hgs_core.train.density_config import DensityConfig
+from hgs_core.train.train_config import LabelConfig, TrainConfig
 
 
 @pytest.mark.parametrize(("labels", "budgets"), [("auto", (100, 75)), ("dynamic", (100, 175)), ("static", (175, 75))])

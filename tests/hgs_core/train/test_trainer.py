@@ -24,10 +24,11 @@ from hgs_core.train.control import Round, RoundContext
 from hgs_core.train.control.infill import InfillRound
 from hgs_core.train.control.pruning import PruningRound
 from hgs_core.train.control.relabelling import LabelRound
+from hgs_core.train.density_config import DensityConfig
 from hgs_core.train.initial_splats import initial_splats
 from hgs_core.train.schedule import share_alive
 from hgs_core.train.segment_cuts import cut_into_segments
-from hgs_core.train.train_config import DensityConfig, LearningRates, TrainConfig
+from hgs_core.train.train_config import LearningRates, TrainConfig
 from hgs_core.train.trainer import Trainer
 from tests.synthetic import write_capture
 
@@ -170,8 +171,9 @@ def test_a_stopped_training_resumes_to_the_same_bits(
 def test_the_result_is_the_mean_of_the_splats_of_the_last_iterations(capture_folder: Path, tmp_path: Path) -> None:
     settings = config(**AVERAGED, elongation=1e6)
     as_they_are = trainer(capture_folder, tmp_path / "last.pt", dataclasses.replace(settings, average_from=1.0))
-    scenes: list[HybridScene[np.ndarray]] = []
-    as_they_are.run(lambda progress: scenes.append(as_they_are.scene()))
+    told: dict[int, HybridScene[np.ndarray]] = {}
+    as_they_are.run(lambda progress: told.update({progress.done: as_they_are.scene()}))
+    scenes = [scene for done, scene in told.items() if done % 10 == 0 and done > 0]
     averaged = trainer(capture_folder, tmp_path / "mean.pt", settings)
     result = averaged.run(silent)
     for kind in ("static", "dynamic"):
@@ -237,7 +239,7 @@ def test_a_slow_training_reports_more_often_than_every_ten_iterations(
     told: list[int] = []
     training = trainer(capture_folder, tmp_path / "checkpoint.pt", config(iterations=12))
     training.run(lambda progress: told.append(progress.done))
-    assert told == list(range(1, 13))
+    assert sorted(set(told)) == list(range(13))  # 0 while pictures are decoded
     assert training.state.history.curves["iteration"] == [10, 12]
 
 

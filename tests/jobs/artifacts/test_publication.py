@@ -17,7 +17,7 @@ from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress
 from hgs_core.codec.format.chunk import pack, unpack
 from hgs_core.codec.format.manifest_reading import read_manifest
-from hgs_core.codec.format.paging import PagedScene, paged
+from hgs_core.codec.format.paging import paged
 from jobs.artifacts import artifact_store as artifacts
 from jobs.artifacts.artifact_store import ArtifactStore
 from jobs.artifacts.publishing_lock import StoreLock
@@ -44,15 +44,18 @@ def test_scene_grows_by_versions_and_never_shrinks(store: ArtifactStore, tmp_pat
     assert {chunk.id for chunk in store.list_chunks()} == {name_of(data) for data in (STATIC, *MOVING)}
 
 
-def test_pages_of_the_manifest_are_kept_ready_beside_it(store: ArtifactStore, tmp_path: Path) -> None:
+def test_pages_of_the_manifest_are_kept_ready_beside_it(
+    store: ArtifactStore, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(artifacts, "LONG", 1)
     folder = tmp_path / "growing"
     for segments in (1, 2):
         manifest = write_growing_scene(folder, segments)
         store.put_scene(folder, "growing")
-        ready = PagedScene.unpacked(store.pages("growing") or b"", manifest)
-        assert ready == paged(read_manifest(json.loads(manifest)), json.loads(manifest))
+        assert store.pages("growing", manifest) == paged(read_manifest(json.loads(manifest)), json.loads(manifest))
+        assert store.pages("growing", manifest + b" ") is None
     store.remove_scene("growing")
-    assert (store.pages("growing"), store.pages("no/name")) == (None, None)
+    assert (store.pages("growing", manifest), store.pages("no/name", manifest)) == (None, None)
 
 
 def test_growth_reads_no_chunk_again_and_a_damaged_one_changes_nothing(store: ArtifactStore, tmp_path: Path) -> None:

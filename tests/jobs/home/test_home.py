@@ -6,7 +6,8 @@ import pytest
 
 from hgs_core.base.errors import InputError
 from jobs.home.home import Home
-from jobs.home.stage_settings import StageBytes, StageCount, StageSeconds
+from jobs.home.stage_limits import StageLimits
+from jobs.home.stage_settings import StageBytes, StageSeconds
 
 
 def test_everything_lies_in_the_home_folder_by_default(tmp_path: Path) -> None:
@@ -32,42 +33,9 @@ def test_empty_variables_count_as_absent(tmp_path: Path) -> None:
     assert Home.from_environment({"HGS_HOME": "", "HGS_STORE_URL": ""}) == Home.at(Path("~/.hgs"))
 
 
-def test_the_silence_of_a_stage_is_a_positive_number(tmp_path: Path) -> None:
-    assert Home.from_environment({"HGS_STAGE_SILENCE": "90"}).stage_silence == StageSeconds(90.0)
-    assert Home.from_environment({"HGS_STAGE_REPORT": "90"}).stage_report == StageSeconds(90.0)
-    for wrong in ("0", "-1", "nan", "inf", "soon"):
-        with pytest.raises(InputError, match=f"HGS_STAGE_SILENCE: '{wrong}' is not a positive number of seconds"):
-            Home.from_environment({"HGS_STAGE_SILENCE": wrong})
-
-
-@pytest.mark.parametrize("name", ["HGS_STAGE_PROCESSES", "HGS_STAGE_FILES"])
-def test_processes_and_files_of_a_stage_are_counted(name: str) -> None:
-    field = name.removeprefix("HGS_").lower()
-    assert getattr(Home.from_environment({name: "90,train=7"}), field) == StageCount(90, (("train", 7),))
-    for wrong in ("0", "-1", "1.5", "many"):
-        with pytest.raises(
-            InputError, match=f"{name}: '{wrong}' is not a positive whole number; write one such as 256"
-        ):
-            Home.from_environment({name: wrong})
-
-
-def test_the_longest_file_of_a_stage_has_bytes() -> None:
-    assert Home.from_environment({"HGS_STAGE_FILE_SIZE": "5G"}).stage_file_size == StageBytes(5e9)
-    with pytest.raises(InputError, match="HGS_STAGE_FILE_SIZE: 'large' is no number"):
-        Home.from_environment({"HGS_STAGE_FILE_SIZE": "large"})
-
-
 def test_a_child_process_reads_the_same_home(tmp_path: Path) -> None:
-    seconds = StageSeconds(90.0, (("train", 7.5),))
-    limits = (
-        seconds,
-        StageSeconds(0.5),
-        StageBytes(8e9),
-        StageCount(9),
-        StageCount(8, (("train", 20),)),
-        StageBytes(7.0),
-    )
-    home = Home(tmp_path, "postgresql://db/hgs", "s3://bucket/hgs", "another.pipeline", *limits, 5e9, "store")
+    limits = StageLimits(StageSeconds(90.0, (("train", 7.5),)), memory=StageBytes(8e9))
+    home = Home(tmp_path, "postgresql://db/hgs", "s3://bucket/hgs", "another.pipeline", limits, 5e9, "store")
     assert Home.from_environment(home.environment()) == home
 
 

@@ -20,6 +20,7 @@ from jobs import stage, worker
 from jobs.home.home import Home
 from jobs.home.stage_settings import HELP, SHOW
 from jobs.process.stage_environment import stage_environment, without_secrets
+from jobs.process.stage_outcome import Done
 from jobs.process.stage_runner import StageRunner
 from server.cli import main as command_line
 
@@ -133,7 +134,7 @@ def test_the_process_of_a_stage_has_no_secrets(home: Home, tmp_path: Path, monke
     async def nothing(progress: Progress) -> None: ...
 
     runner = StageRunner(dataclasses.replace(home, pipeline="telling"))
-    assert not asyncio.run(runner.run("workflow", "encode", tmp_path, nothing)).error
+    assert asyncio.run(runner.run("workflow", "encode", tmp_path, nothing)) == Done()
     told = (tmp_path / "told").read_text().split()
     assert "HGS_HOME" in told
     assert not {"AWS_SECRET_ACCESS_KEY", "HGS_DATABASE_URL"} & set(told)

@@ -15,11 +15,12 @@ from hgs_core.base.progress import Progress
 from hgs_core.runs.run_config import RunConfig
 from jobs.artifacts.artifact_store import ArtifactStore
 from jobs.home.home import Home
+from jobs.home.stage_limits import StageLimits
 from jobs.home.stage_settings import StageCount, StageSeconds
 from jobs.process import stage_outcome
 from jobs.process import stage_runner as subprocesses
 from jobs.process.memory_limit import CURE
-from jobs.process.stage_outcome import StageOutcome
+from jobs.process.stage_outcome import Done, Failed, Killed, StageOutcome, Waits
 from jobs.process.stage_runner import OwnershipLost, StageRunner
 from jobs.process.stage_silence import LOOKS, Silence
 
@@ -36,7 +37,7 @@ def make_run(tmp_path: Path) -> Callable[..., Path]:
     return make_run
 
 
-HUNG = StageOutcome("train: hung: nothing was heard of it for too long, and it was killed", killed=True)
+HUNG = Killed("train: hung: nothing was heard of it for too long, and it was killed")
 
 
 def iterations_of(run: Path) -> list[str]:
@@ -61,7 +62,7 @@ class Stage:
 def test_progress_is_relayed(home: Home, make_run: Callable[..., Path]) -> None:
     async def body() -> None:
         stage = Stage(home, make_run("count", 10))
-        assert await stage.task == StageOutcome()
+        assert await stage.task == Done()
         assert stage.reports[0] == Progress("train", 0, 10, {"loss": 1.0})
         assert stage.reports[-1].done == 10
         assert stage.runner.workflows() == []
@@ -72,7 +73,7 @@ def test_progress_is_relayed(home: Home, make_run: Callable[..., Path]) -> None:
 def test_a_failure_has_its_reason_and_its_traceback_in_the_log(home: Home, make_run: Callable[..., Path]) -> None:
     async def body() -> None:
         run = make_run("raise", 10)
-        assert await Stage(home, run).task == StageOutcome("RuntimeError: the loss is not a number")
+        assert await Stage(home, run).task == Failed("RuntimeError: the loss is not a number")
         assert "Traceback" in (run / "stage.log").read_text()
 
     asyncio.run(body())
@@ -93,7 +94,7 @@ def test_an_outcome_by_signal_says_so(
         monkeypatch.setattr(module, "system_kills", lambda: kills.pop(0))
 
     async def body() -> None:
-        assert await Stage(home, make_run("die", 10)).task == StageOutcome(said, killed=True)
+        assert await Stage(home, make_run("die", 10)).task == Killed(said)
 
     asyncio.run(body())
 
@@ -101,9 +102,9 @@ def test_an_outcome_by_signal_says_so(
 def test_a_stage_without_memory_says_so_itself(home: Home, make_run: Callable[..., Path]) -> None:
     async def body() -> None:
         outcome = await Stage(home, make_run("memory", 10)).task
+        assert isinstance(outcome, Failed)
         assert outcome.error.startswith("out of memory: Unable to allocate 1.00 EiB for an array")
         assert outcome.error.endswith(CURE)
-        assert not outcome.killed
 
     asyncio.run(body())
 
@@ -162,7 +163,7 @@ def test_a_stopping_worker_records_no_outcome(home: Home, make_run: Callable[...
 
 def test_a_stage_that_hangs_is_killed(home: Home, make_run: Callable[..., Path]) -> None:
     async def body() -> None:
-        impatient = dataclasses.replace(home, stage_silence=StageSeconds(1000.0, (("train", 5.0),)))
+        impatient = dataclasses.replace(home, limits=StageLimits(silence=StageSeconds(1000.0, (("train", 5.0),))))
         assert await Stage(impatient, make_run("hang once", 10)).task == HUNG
 
     asyncio.run(body())
@@ -170,7 +171,7 @@ def test_a_stage_that_hangs_is_killed(home: Home, make_run: Callable[..., Path])
 
 def test_a_stage_that_computes_for_ever_is_killed(home: Home, make_run: Callable[..., Path]) -> None:
     async def body() -> None:
-        impatient = dataclasses.replace(home, stage_silence=StageSeconds(10.0), stage_report=StageSeconds(5.0))
+        impatient = dataclasses.replace(home, limits=StageLimits(StageSeconds(10.0), StageSeconds(5.0)))
         assert await Stage(impatient, make_run("compute", 10)).task == HUNG
 
     asyncio.run(body())
@@ -191,14 +192,14 @@ def test_a_stage_that_computes_without_a_word_is_not(
 
     async def body() -> None:
         run = make_run("compute", 10)
-        stage = Stage(dataclasses.replace(home, stage_silence=StageSeconds(5.0)), run)
+        stage = Stage(dataclasses.replace(home, limits=StageLimits(StageSeconds(5.0))), run)
         while len(iterations_of(run)) < 6:
             await asyncio.sleep(0.05)
         looks.clear()
         while len(looks) <= 2 * LOOKS:
             await asyncio.sleep(0.05)
         (run / "enough").touch()
-        assert await stage.task == StageOutcome()
+        assert await stage.task == Done()
 
     asyncio.run(body())
 
@@ -216,23 +217,24 @@ class TestProcesses:
             await beside.first_report.wait()
             run = make_run("fork", 10)
             outcome = await Stage(home, run).task
+            assert isinstance(outcome, Failed)  # or it would be started again
             assert re.fullmatch(
                 r"train: too many processes: \d+, limit 256; raise HGS_STAGE_PROCESSES if they are meant", outcome.error
             )
-            assert not outcome.killed  # or it would be started again
-            assert not outcome.waiting
             if (run / "sleepers").exists():  # it may have been ended while it started them
                 assert living_sleepers(run) == []
             assert not beside.task.done()
             (other / "enough").touch()
-            assert await beside.task == StageOutcome()
+            assert await beside.task == Done()
 
         asyncio.run(body())
 
     def test_threads_count_in_proportion(self, home: Home, make_run: Callable[..., Path]) -> None:
         async def body() -> None:
-            narrow = dataclasses.replace(home, stage_processes=StageCount(1))
-            assert (await Stage(narrow, make_run("threads", 10)).task).error.startswith("train: too many threads: ")
+            narrow = dataclasses.replace(home, limits=StageLimits(processes=StageCount(1)))
+            outcome = await Stage(narrow, make_run("threads", 10)).task
+            assert isinstance(outcome, Failed)
+            assert outcome.error.startswith("train: too many threads: ")
 
         asyncio.run(body())
 
@@ -241,7 +243,7 @@ class TestProcesses:
 
         async def body() -> None:
             run = make_run("leave", 10)
-            assert await Stage(home, run).task == StageOutcome()
+            assert await Stage(home, run).task == Done()
             assert living_sleepers(run) == []
 
         asyncio.run(body())
@@ -263,19 +265,21 @@ class TestSegments:
         return asyncio.run(body())
 
     def test_the_worker_publishes_it(self, home: Home, tmp_path: Path) -> None:
-        assert self.run(home, tmp_path / "scene") == StageOutcome()
+        assert self.run(home, tmp_path / "scene") == Done()
         manifest = ArtifactStore(home.store_url).manifest("scene")
         assert manifest is not None
         assert json.loads(manifest)["live"] == 2
 
     def test_why_the_worker_could_not_is_the_reason_of_the_stage(self, home: Home, tmp_path: Path) -> None:
-        assert self.run(home, tmp_path / "NO ID").error.startswith("scene id: 'NO ID' is not")
+        outcome = self.run(home, tmp_path / "NO ID")
+        assert isinstance(outcome, Failed)
+        assert outcome.error.startswith("scene id: 'NO ID' is not")
 
 
 def test_a_fault_that_passes_is_told_from_a_failure(home: Home, make_run: Callable[..., Path]) -> None:
     async def body() -> None:
         run = make_run("full once", 10)
-        assert await Stage(home, run).task == StageOutcome(waiting=f"{run}/checkpoint.pt: No space left on device")
+        assert await Stage(home, run).task == Waits(f"{run}/checkpoint.pt: No space left on device")
 
     asyncio.run(body())
 

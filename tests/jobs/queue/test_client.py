@@ -14,6 +14,7 @@ from hgs_core.base.errors import InputError
 from hgs_core.runs.run_config import RunConfig
 from hgs_core.runs.run_folder import RunFolder
 from jobs.home.home import Home
+from jobs.home.passing_faults import Cause
 from jobs.queue.client import JobClient, JobConflictError, KeyReusedError
 from jobs.queue.enqueue import enqueue, workflow_id
 from jobs.queue.job_request import JobRequest
@@ -108,7 +109,7 @@ def test_a_waiting_job_is_tried_at_once(client: JobClient, submit: Callable[...,
     client.cancel(job_id)
     with client._engine.begin() as connection:
         client._table.requeue(connection, job_id, 1)
-        client._table.put_off(connection, job_id, 2, "the store fails", "store")
+        client._table.put_off(connection, job_id, 2, "the store fails", Cause.STORE)
         enqueue(client._queue, connection, job_id, 3, delay=7200.0)
     job = client.retry(job_id)
     assert (job.state, job.attempt, job.waiting) == (JobState.QUEUED, 3, "")

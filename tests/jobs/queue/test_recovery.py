@@ -17,6 +17,7 @@ import pytest
 import sqlalchemy as sa
 from dbos import DBOS
 
+from jobs.home.passing_faults import Cause
 from jobs.process.stage_runner import StageRunner
 from jobs.queue import recovery
 from jobs.queue.liveness import Liveness
@@ -337,8 +338,8 @@ class TestWaking:
     def _waiting(self, table: JobTable, engine: sa.Engine, monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(recovery, "WAKE", 0.0)
         with engine.begin() as connection:
-            table.put_off(connection, "a", 1, "the store fails", "store")
-            table.put_off(connection, "b", 1, "the capture's folder is empty", "capture")
+            table.put_off(connection, "a", 1, "the store fails", Cause.STORE)
+            table.put_off(connection, "b", 1, "the capture's folder is empty", Cause.CAPTURE)
 
     def test_while_nothing_is_seen_they_wait(self, ours: Recovery, dbos: FakeDbos, table: JobTable) -> None:
         ours.wake()

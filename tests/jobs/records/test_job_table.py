@@ -9,6 +9,7 @@ import sqlalchemy as sa
 from hgs_core.base.progress import Progress
 from jobs.home.database import prepare_database
 from jobs.home.home import Home
+from jobs.home.passing_faults import Cause
 from jobs.records.job import Job, JobState, Place
 from jobs.records.job_table import JobTable, metadata
 
@@ -209,7 +210,7 @@ def test_a_job_that_does_not_wait_any_more_says_nothing(engine: sa.Engine, table
 def test_jobs_that_wait_for_what_can_be_looked_for(engine: sa.Engine, table: JobTable) -> None:
     add(engine, table, "b", JobState.RUNNING)
     with engine.begin() as connection:
-        assert table.put_off(connection, "a", 1, "the capture cannot be reached", "capture")
+        assert table.put_off(connection, "a", 1, "the capture cannot be reached", Cause.CAPTURE)
         assert table.put_off(connection, "b", 1, "the store fails")
     (waits,) = table.waiting()
     assert (waits.id, waits.cause) == ("a", "capture")
@@ -220,7 +221,7 @@ def test_jobs_that_wait_for_what_can_be_looked_for(engine: sa.Engine, table: Job
 
 def test_a_job_that_has_begun_is_not_woken(engine: sa.Engine, table: JobTable) -> None:
     with engine.begin() as connection:
-        table.put_off(connection, "a", 1, "the capture cannot be reached", "capture")
+        table.put_off(connection, "a", 1, "the capture cannot be reached", Cause.CAPTURE)
     (waits,) = table.waiting()
     table.start("a", 2)
     assert not table.wake(waits)

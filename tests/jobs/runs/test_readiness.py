@@ -14,6 +14,7 @@ import pytest
 from jobs.home.home import Home
 from jobs.home.home_identity import FILE, HomeIdentity
 from jobs.home.passing_faults import Cause
+from jobs.runs import readiness
 from jobs.runs.readiness import Surroundings
 
 
@@ -86,6 +87,22 @@ def test_a_capture_that_is_not_mounted(
     assert missing.cause is Cause.CAPTURE
     assert missing.reason == f"{capture}: {reason}"
     assert not surroundings.is_back(Cause.CAPTURE, capture)
+    assert surroundings.of_machine() == missing  # another machine may see it
+
+
+def test_a_capture_that_comes_back_is_missed_no_more(surroundings: Surroundings, capture: Path) -> None:
+    (capture / "frame.jpg").unlink()
+    surroundings.of_job(capture)
+    (capture / "frame.jpg").touch()
+    assert surroundings.of_machine() is None
+
+
+def test_a_capture_that_stays_away_is_forgotten_after_a_while(
+    surroundings: Surroundings, capture: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (capture / "frame.jpg").unlink()
+    surroundings.of_job(capture)
+    monkeypatch.setattr(readiness, "CAPTURE_BACKOFF", 0.0)
     assert surroundings.of_machine() is None  # other jobs can be taken
 
 

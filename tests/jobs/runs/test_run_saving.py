@@ -16,7 +16,7 @@ from obstore.store import MemoryStore, ObjectStore
 
 from jobs.home.home import Home
 from jobs.home.passing_faults import Cause
-from jobs.process.stage_outcome import StageOutcome
+from jobs.process.stage_outcome import Done, StageOutcome, Waits
 from jobs.runs import run_saving
 from jobs.runs.run_saving import RunSaving
 from jobs.runs.run_transfer import RunState
@@ -65,7 +65,7 @@ async def until(condition: Callable[[], bool]) -> None:
 
 def test_a_checkpoint_is_saved_while_the_stage_runs(saving: RunSaving, home: Home, store: ObjectStore) -> None:
     async def stage() -> None:
-        assert await saving.claim(ATTEMPT) == StageOutcome()
+        assert await saving.claim(ATTEMPT) == Done()
         async with saving.meanwhile(ATTEMPT, lambda: None):
             (home.run("a") / "checkpoint.pt").write_text("5")
             await until(lambda: "checkpoint.pt" in head(store).files)
@@ -106,7 +106,7 @@ def test_the_end_of_a_stage_waits_for_the_store(saving: RunSaving, home: Home, m
         monkeypatch.setattr(obstore, "put", away)
         return await saving.save(ATTEMPT)
 
-    assert asyncio.run(stage()) == StageOutcome(waiting="the store fails: no answer", cause=Cause.STORE)
+    assert asyncio.run(stage()) == Waits("the store fails: no answer", Cause.STORE)
 
 
 def test_a_worker_whose_run_was_taken_is_told(saving: RunSaving, home: Home, store: ObjectStore) -> None:
@@ -120,7 +120,7 @@ def test_a_worker_whose_run_was_taken_is_told(saving: RunSaving, home: Home, sto
             await until(lambda: bool(told))
         return await saving.save(ATTEMPT)
 
-    assert asyncio.run(stage()).waiting == "another process has taken this run over"
+    assert asyncio.run(stage()) == Waits("another process has taken this run over")
     assert saving.taken(ATTEMPT)
     assert "checkpoint.pt" not in head(store).files
 
@@ -160,10 +160,10 @@ def test_a_shared_home_needs_none_of_it(tmp_path: Path) -> None:
     saving.begin(ATTEMPT, 1)
 
     async def stage() -> None:
-        assert await saving.claim(ATTEMPT) == StageOutcome()
+        assert await saving.claim(ATTEMPT) == Done()
         async with saving.meanwhile(ATTEMPT, lambda: None):
             pass
-        assert await saving.save(ATTEMPT) == StageOutcome()
+        assert await saving.save(ATTEMPT) == Done()
 
     asyncio.run(stage())
     saving.complete(ATTEMPT)

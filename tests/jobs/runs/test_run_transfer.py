@@ -117,7 +117,16 @@ def test_locks_and_what_is_being_written_are_no_state(state: State, store: Objec
     first = state("one", 1)
     first.claim()
     (tmp_path / "one" / "segments").mkdir()
-    for name in ("run.lock", "run.lease.1", "segments/3.lock", ".scene.npz.ab.tmp", "x.tmp", "segments/3"):
+    (tmp_path / "one" / ".pictures").mkdir()
+    for name in (
+        ".pictures/0.rgb",
+        "run.lock",
+        "run.lease.1",
+        "segments/3.lock",
+        ".scene.npz.ab.tmp",
+        "x.tmp",
+        "segments/3",
+    ):
         (tmp_path / "one" / name).write_text(name)
     assert first.look() == ({"run.json", "segments/3"}, {"segments/3"})
     first.save()

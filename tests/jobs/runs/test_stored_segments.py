@@ -14,11 +14,12 @@ from obstore.exceptions import GenericError
 from obstore.store import MemoryStore, ObjectStore
 
 from hgs_core.base.progress import Progress, StageStopped, silent
+from jobs.home.home import Home
 from jobs.runs import shared_segments as segments
 from jobs.runs import stored_segments
 from jobs.runs.run_transfer import RunState
 from jobs.runs.shared_segments import help_with_segment, make_segments
-from jobs.runs.stored_run import RunTakenError
+from jobs.runs.stored_run import RunTakenError, StoredRun
 from jobs.runs.stored_segments import StoredSegments, is_of_segment
 
 Machine = Callable[[str], tuple[Path, StoredSegments]]
@@ -100,7 +101,7 @@ def test_who_is_silent_for_long_counts_as_dead_and_learns_it(
         save(state, **options)
 
     monkeypatch.setattr(stored_segments, "BEAT", 0.01)
-    monkeypatch.setattr(stored_segments, "SILENCE", 0.0)
+    monkeypatch.setattr(stored_segments, "SEGMENT_SILENCE", 0.0)
     monkeypatch.setattr(RunState, "save", silent_save)
     silenced = StoredSegments(store, "a", two, segment_pipeline, lost.set)
     claim = silenced.claimed(1, nothing)
@@ -116,7 +117,7 @@ def test_who_is_silent_for_long_counts_as_dead_and_learns_it(
 
 def test_the_store_away_is_not_the_others_silence(machine: Machine, monkeypatch: pytest.MonkeyPatch) -> None:
     (_, own), (_, helps) = machine("one"), machine("two")
-    monkeypatch.setattr(stored_segments, "SILENCE", 0.0)
+    monkeypatch.setattr(stored_segments, "SEGMENT_SILENCE", 0.0)
     get = obstore.get
 
     def away(*arguments: object) -> None:
@@ -140,3 +141,52 @@ def test_files_of_segments_are_told_from_those_of_the_run(machine: Machine, tmp_
     others = ["checkpoint.pt", "segments/0/settings.json", "scene.npz"]
     assert [name for name in names + others if is_of_segment(run, name)] == names[1:]
     assert not is_of_segment(tmp_path / "trained whole", "checkpoint-3.pt")
+
+
+@pytest.fixture
+def with_inputs(store: ObjectStore, tmp_path: Path) -> Path:
+    """The run as it lies in the store, with inputs of three segments."""
+    folder = tmp_path / "initialised"
+    for name in ("run.json", "masks/0.masks", "masks/1.masks", "masks/2.masks", "points/1.npz", "points/static.npz"):
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(name)
+    (folder / "run.json").write_text(json.dumps({"capture": "/videos", "without_capture": True}))
+    RunState(StoredRun(store, "runs/a"), folder, 1).create()
+    return folder
+
+
+def test_the_inputs_of_one_segment_come_with_its_claim(machine: Machine, with_inputs: Path) -> None:
+    run, helps = machine("two")
+    with helps.claimed(1, nothing) as claimed:
+        assert claimed
+        brought = [path.relative_to(run).as_posix() for kind in ("masks", "points") for path in (run / kind).iterdir()]
+        assert sorted(brought) == ["masks/1.masks", "points/1.npz"]
+        assert (run / "points/1.npz").read_text() == "points/1.npz"
+
+
+def test_a_helper_begins_without_the_inputs_of_single_segments(
+    with_inputs: Path, store: ObjectStore, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(stored_segments, "open_object_store", lambda url: store)
+    folder = tmp_path / "a#1"
+    with stored_segments.fetch_for_help(Home.at(tmp_path / "home"), folder):
+        assert sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*.*")) == [
+            "points/static.npz",
+            "run.json",
+        ]
+
+
+def test_a_claim_whose_inputs_cannot_be_brought_is_given_up(
+    machine: Machine, with_inputs: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (_, own), (_, helps) = machine("one"), machine("two")
+
+    def away(*arguments: object) -> None:
+        raise GenericError("no answer")
+
+    monkeypatch.setattr(stored_segments, "bring", away)
+    with pytest.raises(GenericError), helps.claimed(1, nothing):
+        pass
+    monkeypatch.undo()
+    with own.claimed(1, nothing) as claimed:
+        assert claimed

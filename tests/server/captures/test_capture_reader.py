@@ -12,7 +12,8 @@ from hgs_core.base.errors import InputError
 from hgs_core.runs.run_config import RunConfig
 from hgs_core.runs.run_folder import RunFolder
 from jobs.home.home import Home
-from jobs.home.stage_settings import StageBytes
+from jobs.home.stage_limits import StageLimits
+from jobs.home.stage_settings import StageBytes, StageCount
 from server.captures.capture_readers import CaptureReaders, ReaderEndedError, answered
 from tests.server.hostile_captures import HOSTILE, write_still
 from tests.synthetic import write_capture
@@ -106,7 +107,7 @@ def create_with(home: Home, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, har
 
 
 def test_memory_is_limited_as_the_stage_is(home: Home, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    small = dataclasses.replace(home, stage_memory=StageBytes(250e6))
+    small = dataclasses.replace(home, limits=StageLimits(memory=StageBytes(250e6)))
     told = create_with(small, tmp_path, monkeypatch, "bytearray(1 << 30)", 60)
     with pytest.raises(InputError, match=r"transforms.json: needs more memory to read than a capture may use"):
         answered(told, tmp_path / "capture")
@@ -127,7 +128,7 @@ def test_processor_time_is_limited(home: Home, tmp_path: Path, monkeypatch: pyte
 
 def test_the_file_that_a_library_opens_is_known(home: Home, tmp_path: Path) -> None:
     capture = hostile(tmp_path, "concat of itself")
-    few = dataclasses.replace(home, stage_files=dataclasses.replace(home.stage_files, most=64))
+    few = dataclasses.replace(home, limits=StageLimits(files=StageCount(64)))
     (told,) = describe(few, capture)
     with pytest.raises(InputError, match=r"cam0.mp4: "):
         answered(told, capture)

@@ -34,7 +34,7 @@ def test_encode_tells_what_is_lost_where_it_moves_if_there_are_masks(
     run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     folder = RunFolder(shutil.copytree(run, tmp_path / "run"))
-    motion_masks(folder.read_spec().open_capture(), range(5), progress=silent).save(folder.masks)
+    motion_masks(folder.read_spec().open_capture(), range(5), progress=silent).save(folder.masks, [0])
     assert main(["encode", str(folder.path)]) == 0
     line = capsys.readouterr().out.splitlines()[2]
     number = r"-?[\d.e-]+"
@@ -45,6 +45,7 @@ def test_encode_tells_what_is_lost_where_it_moves_if_there_are_masks(
     )
 
 
+@pytest.mark.usefixtures("small_views")
 def test_encode_says_that_the_views_are_made_up_where_there_is_no_capture(
     splats: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 
 from hgs_core.base.progress import Progress, ProgressCallback
+from hgs_core.evaluate.score_table import SCORE_COLUMNS
 from hgs_core.runs.run_folder import RunFolder
 from server.cli import main
-from server.cli.evaluate import FIELDS
 
 SCORES: dict[str, Any] = {
     "psnr": 27.5,
@@ -63,13 +63,13 @@ def test_json_is_one_object_of_exactly_the_documented_fields(
     assert main(["eval", str(tmp_path), "--json"]) == 0
     output = json.loads(capsys.readouterr().out)
     assert output == SCORES
-    assert tuple(output) == FIELDS
+    assert tuple(output) == SCORE_COLUMNS
 
 
 def test_text_names_every_field(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["eval", str(tmp_path)]) == 0
     lines = dict(line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines())
-    assert tuple(lines) == FIELDS
+    assert tuple(lines) == SCORE_COLUMNS
     assert (lines["psnr"], lines["cameras"]) == ("27.5000", "cam00")
     assert lines["lpips"] == "-"
 

@@ -14,6 +14,8 @@ from hgs_core.interchange.ply.ply_table import write_ply
 from hgs_core.scene import DynamicSplats, HybridScene, Segment
 from server.cli import main
 
+pytestmark = pytest.mark.usefixtures("small_views")
+
 
 def test_an_imported_run_is_scored_on_its_capture(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
     capsys.readouterr()

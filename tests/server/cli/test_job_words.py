@@ -43,7 +43,7 @@ def test_durations_are_shown_in_two_units(seconds: float, text: str) -> None:
 
 
 def test_a_table_of_jobs() -> None:
-    running = job(state=JobState.RUNNING, stage="train", done=3, total=9, stage_ends=1700.0, labels=("a", "b"))
+    running = job(state=JobState.RUNNING, stage="train", done=3, total=9, ends=1700.0, labels=("a", "b"))
     head, line, other = job_table([running, job(priority=-5)], now=1600.0).splitlines()
     assert head.split() == ["JOB", "STATE", "STAGE", "LEFT", "PRIO", "AGE", "LABELS", "TITLE"]
     assert line.split() == ["studio-1", "running", "train", "3/9", "1", "min", "0", "10", "min", "a,b", "Studio"]

@@ -36,6 +36,12 @@ def test_figures_are_whole_or_have_four_digits(capsys: pytest.CaptureFixture[str
     assert "psnr=27.13, splats=123456" in bar
 
 
+def test_the_rest_of_everything_comes_before_the_figures(capsys: pytest.CaptureFixture[str]) -> None:
+    with ProgressBars() as bars:
+        bars(Progress("train", 1, 2, {"psnr": 27.0}), 4000.0)
+    assert "left=1 h 6 min, psnr=27" in capsys.readouterr().err
+
+
 def test_a_total_that_grows_is_followed(capsys: pytest.CaptureFixture[str]) -> None:
     (bar,) = drawn(capsys, Progress("frames", 1, 2), Progress("frames", 2, 8))
     assert "2/8" in bar

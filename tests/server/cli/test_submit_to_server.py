@@ -18,6 +18,8 @@ import pytest
 
 from hgs_core.runs.run_folder import RunFolder
 from server.cli import main
+from server.cli.server_client import Answer, ServerClient
+from server.uploads.upload_limits import UploadLimits
 from tests.conftest import REPOSITORY
 
 LARGE = 48_000_000
@@ -151,3 +153,30 @@ def test_what_cannot_be_sent_or_trained_is_told_in_one_line(
     assert "one file may have 10.0 kB" in refusal(lonely)
     assert main(["submit", str(n3dv), "--to", "ftp://x"]) == 2
     assert main(["submit", str(n3dv), "--to", "http://x", "--masks", str(lonely)]) == 2
+
+
+@pytest.mark.parametrize(("more", "status"), [((), 2), (("--hold-out", "cam01"), 0), (("--trust-poses",), 0)])
+def test_a_dead_camera_that_is_held_out_does_not_stop_a_submission(
+    n3dv: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], more: tuple[str, ...], status: int
+) -> None:
+    """The refusal's own cure is taken."""
+    black = {"stops": True, "cameras": ["cam01"], "problem": "its pictures are black", "cure": "leave it out"}
+    found = {"cameras": [], "findings": [black | {"of_pictures": True}], "frames": [0], "width": 64}
+    answers = {
+        "/v1/uploads": {"limits": vars(UploadLimits())},
+        "/v1/captures": {"captures": []},
+        "/v1/captures/check": {"state": "done", "error": None, "found": found},
+        "/v1/jobs": {"id": "job", "state": "queued"},
+        "/v1/workers": {"workers": [{"alive": True}]},
+    }
+
+    def request(self: ServerClient, method: str, path: str, **named: object) -> Answer:
+        return Answer(200, httpx.Headers(), answers[path])
+
+    monkeypatch.setattr(ServerClient, "request", request)
+    monkeypatch.setattr("server.cli.submit_to_server.send_capture", lambda *of: "sent")
+    monkeypatch.setattr("server.cli.submit_to_server.no_worker", lambda *of: "")
+    assert main(["submit", str(n3dv), "--to", "http://localhost:9", *more]) == status
+    out, err = capsys.readouterr()
+    assert out == ("" if status else "job\n")
+    assert ("hgs: sent, camera cam01: its pictures are black; leave it out" in err) == bool(status)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import resource
 import shlex
 import signal
@@ -10,7 +11,6 @@ from pathlib import Path
 
 import pytest
 
-import hgs_core.runs.stages
 from server.cli import main
 from tests.test_configuration_page import command_names
 
@@ -74,7 +74,7 @@ def no_work(monkeypatch: pytest.MonkeyPatch) -> None:
     def work(*arguments: object, **options: object) -> None:
         raise AssertionError("the work has begun")
 
-    for name in (
+    replaced = (
         "hgs_core.decompose.masks.motion_masks",
         "hgs_core.calibrate.find_cameras.find_cameras",
         "hgs_core.check.capture_check.check_capture",
@@ -87,9 +87,12 @@ def no_work(monkeypatch: pytest.MonkeyPatch) -> None:
         "hgs_core.bench.raster.raster_bench.bench_raster",
         "hgs_core.bench.codec.codec_bench.bench_codec",
         "hgs_core.bench.training_bench.bench_training",
-    ):
-        monkeypatch.setattr(name, work)
-    monkeypatch.setattr(hgs_core.runs.stages, "train_scene", work)  # last: modules loaded above bind the real one
+        "hgs_core.runs.stages.train_scene",
+    )
+    for place in replaced:  # first: a module that is loaded after the replacement of another would keep that
+        importlib.import_module(place.rpartition(".")[0])
+    for place in replaced:
+        monkeypatch.setattr(place, work)
 
 
 @pytest.fixture

@@ -18,7 +18,7 @@ def test_a_description_leaves_the_secret_path_of_a_webhook_out() -> None:
 
 @pytest.mark.parametrize(("state", "ends"), [(JobState.RUNNING, 9.0), (JobState.FAILED, None)])
 def test_only_a_running_job_has_an_end_of_its_stage(state: JobState, ends: float | None) -> None:
-    assert describe_job(dataclasses.replace(JOB, state=state, stage_ends=9.0))["stage_ends"] == ends
+    assert describe_job(dataclasses.replace(JOB, state=state, ends=9.0))["ends"] == ends
 
 
 def test_a_figure_beyond_json_is_left_out() -> None:

@@ -253,10 +253,10 @@ def test_labels_priority_and_time_limit_are_in_the_job(server: Any) -> None:
 
 def test_the_end_of_the_stage_is_told_while_the_job_runs(server: Any) -> None:
     server.request("POST", "/v1/jobs", json={"capture": "studio"})
-    server.jobs.change("job-0", state=JobState.RUNNING, stage="train", stage_ends=99.0)
-    assert server.get("/v1/jobs/job-0").json()["stage_ends"] == 99.0
+    server.jobs.change("job-0", state=JobState.RUNNING, stage="train", ends=99.0)
+    assert server.get("/v1/jobs/job-0").json()["ends"] == 99.0
     server.jobs.change("job-0", state=JobState.CANCELLED)
-    assert server.get("/v1/jobs/job-0").json()["stage_ends"] is None
+    assert server.get("/v1/jobs/job-0").json()["ends"] is None
 
 
 def test_the_idempotency_key_is_part_of_the_request(server: Any) -> None:

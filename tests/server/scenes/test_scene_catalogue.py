@@ -12,7 +12,9 @@ from typing import Any
 import pytest
 
 from hgs_core.codec.format.paging import PagedScene
+from jobs.artifacts import artifact_store
 from jobs.artifacts.artifact_store import ArtifactStore, SceneEntry
+from jobs.artifacts.scene_description import SceneDescription
 from jobs.records.job import Job
 from server.http.problems import ProblemError
 from server.scenes import scene_catalogue as module
@@ -46,9 +48,13 @@ class CountingStore(ArtifactStore):
 
     def manifest(self, scene_id: str) -> bytes | None:
         self.reads.append(scene_id)
-        if scene_id in self.unreadable:
-            raise PermissionError(13, "permission denied")
         return super().manifest(scene_id)
+
+    def describe(self, entry: SceneEntry) -> SceneDescription | None:
+        self.reads.append(entry.id)
+        if entry.id in self.unreadable:
+            raise PermissionError(13, "permission denied")
+        return super().describe(entry)
 
 
 class NoJobs:
@@ -88,7 +94,7 @@ def listed(catalogue: SceneCatalogue) -> list[str]:
 ALL = [f"scene-{number}" for number in range(5)]
 
 
-def test_manifests_are_read_once_and_a_look_costs_one_listing(
+def test_descriptions_are_read_once_and_a_look_costs_one_listing(
     catalogue: SceneCatalogue, store: CountingStore, jobs: NoJobs
 ) -> None:
     for looks in (1, 2, 3):
@@ -133,6 +139,7 @@ def test_a_scene_published_anew_under_its_id_is_read_again(
 ) -> None:
     listed(catalogue)
     old = catalogue.scene("scene-1").document
+    assert old
     store.remove_scene("scene-1")
     path = scene_folder / "scene" / "manifest.json"
     path.write_text(json.dumps(json.loads(path.read_text()) | {"title": "Another"}))
@@ -228,10 +235,20 @@ def test_a_title_that_no_answer_could_hold_is_shown_with_a_replacement(
     assert catalogue.describe("odd")["title"] == "half \ufffd"
 
 
-def test_indices_are_kept_for_the_scenes_watched_last(
-    catalogue: SceneCatalogue, store: CountingStore, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(module, "_INDICES", 2)
+def _index_memory(store: CountingStore) -> int:
+    return read_scene("scene-0", store.manifest("scene-0") or b"").memory
+
+
+def test_an_index_larger_than_the_cache_is_kept_while_it_is_the_last(store: CountingStore, jobs: NoJobs) -> None:
+    catalogue = SceneCatalogue(store, jobs, capacity=1)  # type: ignore[arg-type]
+    for scene_id in ("scene-0", "scene-0", "scene-1", "scene-0"):
+        catalogue.scene(scene_id)
+    assert store.reads == ["scene-0", "scene-1", "scene-0"]
+
+
+def test_indices_are_kept_for_the_scenes_watched_last(store: CountingStore, jobs: NoJobs) -> None:
+    catalogue = SceneCatalogue(store, jobs, capacity=int(2.5 * _index_memory(store)))  # type: ignore[arg-type]
+    store.reads.clear()
     for scene_id in ("scene-0", "scene-1", "scene-0", "scene-2", "scene-0", "scene-1"):
         catalogue.scene(scene_id)
     assert store.reads == ["scene-0", "scene-1", "scene-2", "scene-1"]
@@ -249,11 +266,11 @@ def test_pages_that_publishing_left_save_the_reading_of_a_long_manifest(
         return read_scene(scene_id, manifest, ready)
 
     monkeypatch.setattr(module, "read_scene", read)
-    monkeypatch.setattr(module, "_LONG", 1000)
+    monkeypatch.setattr(artifact_store, "LONG", 1000)
     index = catalogue.scene("growing")
     assert [None if ready is None else ready.pages.keys() for ready in asked] == [
         {name.hex() for name in index.page_bytes}
     ]
-    monkeypatch.setattr(module, "_LONG", 1 << 20)
+    monkeypatch.setattr(artifact_store, "LONG", 1 << 20)
     assert SceneCatalogue(store, NoJobs()).scene("growing") == index  # type: ignore[arg-type]
     assert asked[1] is None

@@ -29,6 +29,7 @@ def test_later_versions_are_known_by_their_pages_alone(monkeypatch: pytest.Monke
     assert is_later(LAST, SECOND)
     assert not is_later(FIRST, SECOND)
     assert not is_later(FIRST, FIRST)
+    assert not is_later(version(1), LAST)
     assert not is_later(version(61, extent=5.0), FIRST)
 
 

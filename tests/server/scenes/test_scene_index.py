@@ -1,15 +1,17 @@
 from __future__ import annotations
 
+import gc
 import gzip
 import hashlib
 import json
+import tracemalloc
 from collections.abc import Callable, Sequence
 
 import pytest
 
 from hgs_core.base.errors import InputError
 from server.bench.bench_scene import made_up_scene
-from server.scenes.scene_index import SceneIndex, read_scene
+from server.scenes.scene_index import SceneIndex, read_scene, read_whole
 from tests.server.conftest import SliceSpec
 
 MakeScene = Callable[[Sequence[int], Sequence[SliceSpec]], SceneIndex]
@@ -23,13 +25,7 @@ def test_a_manifest_is_read_with_the_chunks_that_each_slice_needs(manifest: byte
     # Each slice after the first needs the chunk of the one before, which has to come first.
     assert [[chunk.id for chunk in piece.chunks] for piece in scene.slices] == [[ids[2]], ids[2:4], ids[3:5]]
     assert scene.sizes == dict(zip(ids, map(len, chunks), strict=True))
-    assert (scene.title, scene.start, scene.end) == ("Studio", 0.0, 3.0)
-    assert (scene.splats_static, scene.splats_dynamic) == (2, 60)
-
-
-def test_sizes_are_of_every_chunk_once_and_of_the_manifest(manifest: bytes, chunks: list[bytes]) -> None:
-    scene = read_scene("studio", manifest)
-    assert scene.bytes_total == sum(map(len, chunks)) + len(manifest)
+    assert (scene.start, scene.end) == (0.0, 3.0)
 
 
 def test_the_manifest_is_named_by_the_hash_of_its_bytes(manifest: bytes) -> None:
@@ -37,7 +33,8 @@ def test_the_manifest_is_named_by_the_hash_of_its_bytes(manifest: bytes) -> None
     assert scene.document == manifest
     assert json.loads(gzip.decompress(scene.manifest)) == json.loads(manifest)
     assert scene.manifest_id == hashlib.sha256(scene.manifest).digest()
-    assert (scene.whole.manifest, scene.whole.manifest_id) == (manifest, hashlib.sha256(manifest).digest())
+    whole = read_whole("studio", manifest)
+    assert (whole.manifest, whole.manifest_id) == (manifest, hashlib.sha256(manifest).digest())
 
 
 @pytest.mark.parametrize("manifest", [b"", b"{}", b"[" * 100_000, b"\xff"], ids=["empty", "bare", "deep", "not UTF-8"])
@@ -68,7 +65,6 @@ def test_sound_is_read_and_counts_for_the_size_and_for_what_a_link_opens(manifes
         (1.0, name, 5),
     ]
     assert scene.sizes == read_scene("studio", manifest).sizes
-    assert scene.bytes_total == sum(map(len, chunks)) + 5 + len(sounding)
     assert scene.chunk_ids == {hashlib.sha256(chunk).hexdigest() for chunk in chunks} | {name}
 
 
@@ -80,16 +76,33 @@ def test_pages_are_chunks_that_the_slices_need_first() -> None:
     assert {name: len(data) for name, data in scene.page_bytes.items()}.items() <= scene.sizes.items()
     listed = [name for names in scene.page_chunks.values() for name in names]
     assert listed == [bytes.fromhex(chunk.id) for chunk in made_up.manifest.chunks[12:]]
-    assert (scene.bytes_total, scene.title) == (made_up.size, "Made up")
 
 
 def test_the_whole_scene_is_the_same_without_pages() -> None:
     document = made_up_scene(120, static_bytes=1200, slice_bytes=90).document
     paged = read_scene("bench", document)
-    whole = paged.whole
+    whole = read_whole("bench", document)
     assert (whole.manifest, whole.pages, whole.page_bytes) == (document, (), {})
     assert [piece.chunks for piece in whole.slices] == [piece.chunks[1:] for piece in paged.slices]
-    assert (whole.static, whole.end, whole.splats_dynamic) == (paged.static, paged.end, paged.splats_dynamic)
+    assert (whole.static, whole.end) == (paged.static, paged.end)
+
+
+def test_a_long_scene_is_kept_without_its_manifest_and_a_short_one_with_it() -> None:
+    long, short = (made_up_scene(slices, static_bytes=1200, slice_bytes=90).document for slices in (120, 6))
+    assert (read_scene("long", long).document, read_scene("short", short).document) == (b"", short)
+
+
+def test_the_memory_of_an_index_is_not_far_from_what_it_takes() -> None:
+    document = made_up_scene(1200, static_bytes=1200, slice_bytes=90).document
+    read_scene("bench", document)
+    tracemalloc.start()
+    scene = read_scene("bench", document)
+    used = [scene.chunk_ids, scene.stored, scene.queue, [(piece.base, piece.refinements) for piece in scene.slices]]
+    gc.collect()
+    taken = tracemalloc.get_traced_memory()[0]
+    tracemalloc.stop()
+    assert used
+    assert scene.memory == pytest.approx(taken, rel=0.3)
 
 
 def test_pages_that_were_made_before_save_the_reading() -> None:
@@ -97,3 +110,9 @@ def test_pages_that_were_made_before_save_the_reading() -> None:
     ready = read_scene("bench", made_up.document, made_up.pages)
     assert ready == read_scene("bench", made_up.document)
     assert read_scene("bench", b"not looked at", made_up.pages).slices == ready.slices
+
+
+def test_scene_too_short_for_pages_has_its_slices_with_and_without_what_publishing_left() -> None:
+    made_up = made_up_scene(1, static_bytes=1200, slice_bytes=90)
+    assert not made_up.pages.pages
+    assert read_scene("bench", made_up.document, made_up.pages) == read_scene("bench", made_up.document)

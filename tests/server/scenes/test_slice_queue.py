@@ -71,14 +71,11 @@ def scene_of(slices: list[tuple[float, float]]) -> SceneIndex:
     """A scene of one small chunk for each of the slices."""
     return SceneIndex(
         scene_id="s",
-        title="",
         manifest=b"{}",
         start=0.0,
         end=max((end for _, end in slices), default=0.0),
         static=(Chunk(bytes(32), 100),),
         slices=tuple(Slice(*s, (Chunk(k.to_bytes(32, "big"), 5000),)) for k, s in enumerate(slices, 1)),
-        splats_static=0,
-        splats_dynamic=0,
     )
 
 

@@ -184,7 +184,9 @@ function readCapturedSpace(field: Field | undefined): CapturedSpace | null {
   if (azimuth !== null && azimuth >= Math.PI) throw field.get("azimuth").error("below pi");
   const distance = field.get("distance").range();
   if (distance[0] <= 0) throw field.get("distance").error("numbers above 0");
-  return { front, azimuth, elevation: field.get("elevation").range(), distance, seen: field.object().seen };
+  const { seen, cones } = field.object();
+  const subjectOnly = field.given("subject_only")?.flag();
+  return { front, azimuth, elevation: field.get("elevation").range(), distance, seen, cones, subjectOnly };
 }
 
 function readChunk(field: Field): ChunkEntry {

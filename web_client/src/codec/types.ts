@@ -101,6 +101,10 @@ export interface CapturedSpace {
   readonly distance: readonly [number, number];
   /** Narrower limits, as the document has them. See `readSeenLimits`. */
   readonly seen?: unknown;
+  /** Directions of a sparse rig's cameras, as the document has them. See `stillShare`. */
+  readonly cones?: unknown;
+  /** Whether to begin without static splats. */
+  readonly subjectOnly?: boolean;
 }
 
 export interface SegmentEntry {

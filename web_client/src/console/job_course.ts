@@ -3,9 +3,6 @@
 import type { Job, JobPoint } from "../protocol/api";
 
 const MOST_POINTS = 4000;
-/** Share of a stage before its speed predicts the rest: the first steps are unlike the others. */
-const LEAST_SHARE = 0.02;
-const LEAST_SECONDS = 5;
 
 export class JobCourse {
   #points: JobPoint[] = [];
@@ -55,21 +52,5 @@ export class JobCourse {
     return this.#points
       .filter((point) => point.stage === stage && point.figures[figure] !== undefined)
       .map((point) => [point.done, point.figures[figure]]);
-  }
-
-  /**
-   * Remaining seconds of the present stage, about, at the speed of the latter half of this attempt's work on it; null
-   * while there is too little data.
-   */
-  remaining(job: Job): number | null {
-    const { progress } = job;
-    if (job.state !== "running" || !progress || progress.total <= 1) return null;
-    const own = this.#points.filter((point) => point.stage === progress.stage && point.attempt === job.attempt);
-    const first = own[0];
-    const last = own.at(-1);
-    if (!first || !last || last.done - first.done < LEAST_SHARE * progress.total) return null;
-    if (last.time - first.time < LEAST_SECONDS) return null;
-    const middle = own.filter((point) => point.done <= (first.done + last.done) / 2).at(-1) ?? first;
-    return ((progress.total - last.done) * (last.time - middle.time)) / (last.done - middle.done);
   }
 }

@@ -178,7 +178,7 @@ class JobView {
     this.#status.dataset.state = job.state;
     setText(this.#state, describeProgress(job));
     const queue = job.state === "queued" && !job.waiting ? describeQueue(this.#run?.ahead ?? null) : "";
-    setText(this.#remaining, queue || describeRemaining(this.#course.remaining(job)));
+    setText(this.#remaining, queue || describeRemaining(job));
     setText(this.#figures, describeFigures(job));
     setText(this.#fault, describeFault(job));
     this.#steps.show(job);

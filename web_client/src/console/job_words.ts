@@ -5,7 +5,7 @@ import { isFinal, type Job } from "../protocol/api";
 /** The steps of a job, in order, with their stages of docs/rest.md. */
 export const STEPS: readonly { readonly name: string; readonly stages: readonly string[] }[] = [
   { name: "Checking the capture", stages: ["initialise", "sync", "cameras", "check"] },
-  { name: "Finding what moves", stages: ["masks"] },
+  { name: "Finding what moves", stages: ["frames", "masks"] },
   { name: "Placing points", stages: ["points"] },
   { name: "Training", stages: ["train"] },
   { name: "Encoding", stages: ["encode"] },
@@ -97,11 +97,12 @@ export function describeQueue(ahead: number | null): string {
     : `About ${ahead.toLocaleString("en")} other jobs are ahead of it.`;
 }
 
-/** "about 12 min left in this step"; "" while unknown. */
-export function describeRemaining(seconds: number | null): string {
-  if (seconds === null) return "";
-  if (seconds < 60) return "less than a minute left in this step";
+/** "about 12 min left" until the scene is published; "" while unknown. */
+export function describeRemaining({ ends, updated }: Job): string {
+  if (ends === null) return "";
+  const seconds = ends - updated;
+  if (seconds < 60) return "less than a minute left";
   const minutes = Math.round(seconds / 60);
-  if (minutes < 90) return `about ${minutes} min left in this step`;
-  return `about ${Math.round(minutes / 60)} h left in this step`;
+  if (minutes < 90) return `about ${minutes} min left`;
+  return `about ${Math.round(minutes / 60)} h left`;
 }

@@ -5,6 +5,7 @@ import type { HgsPlayer } from "../player/hgs_player";
 import { getScene } from "../protocol/api";
 import { KEY_NEEDED, siteUrl } from "../protocol/http";
 import type { Quality } from "../renderer/fineness";
+import { floatPixels } from "../renderer/float_pixels";
 import type { Pixels } from "../renderer/shot";
 import { PlayerView } from "../ui/player_view";
 import type { WholePage } from "../ui/player_view_options";
@@ -111,6 +112,9 @@ function handle(player: HgsPlayer, ready: Promise<void>): ViewerHandle {
     seek: (time) => player.seek(time),
     play: () => player.play(),
     pause: () => player.pause(),
-    readPixels: async (options) => player.readPixels(options),
+    readPixels: async ({ float = false } = {}) => {
+      const { scene } = player;
+      return float && scene?.shot ? floatPixels(scene.renderer, scene.shot) : player.readPixels();
+    },
   };
 }

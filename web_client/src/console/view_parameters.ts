@@ -29,6 +29,8 @@ export interface ViewParameters {
   readonly antialiased: boolean | null;
   /** `splats`: largest number of splats, the most useful ones; `undefined` for all. */
   readonly splatBudget: number | undefined;
+  /** `subject`: 1 for moving splats alone, 0 for all; null for the scene's own choice. */
+  readonly subjectOnly: boolean | null;
 }
 
 const LARGEST = 8192;
@@ -96,5 +98,6 @@ export function parseViewParameters(search: string): ViewParameters {
     exact: flag("exact") ?? false,
     antialiased: flag("antialiased"),
     splatBudget: splats ?? undefined,
+    subjectOnly: flag("subject"),
   };
 }

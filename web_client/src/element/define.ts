@@ -11,4 +11,5 @@ declare global {
 }
 
 // A page may load two copies of this module; the first one wins.
-if (!customElements.get("hgs-player")) customElements.define("hgs-player", HgsPlayerElement);
+if (import.meta.env.MODE === "site" || globalThis.customElements)
+  if (!customElements.get("hgs-player")) customElements.define("hgs-player", HgsPlayerElement);

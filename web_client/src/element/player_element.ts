@@ -38,10 +38,14 @@ const PROPERTIES = [
   "playbackRate",
   "muted",
   "volume",
+  "subjectOnly",
 ] as const;
 
-export class HgsPlayerElement extends HTMLElement {
-  static readonly observedAttributes = ["src", "poster", "controls", "loop", "muted"];
+// The package can be imported where there is no HTMLElement: by servers that render pages. A site's own player is not.
+export class HgsPlayerElement extends ((import.meta.env.MODE === "site"
+  ? HTMLElement
+  : (globalThis.HTMLElement ?? Object)) as typeof HTMLElement) {
+  static readonly observedAttributes = ["src", "poster", "controls", "loop", "muted", "subject-only"];
 
   readonly #view = new PlayerView(this, { controls: false });
   #shown: string | null = null; // address of the loaded scene
@@ -162,6 +166,18 @@ export class HgsPlayerElement extends HTMLElement {
     this.player.volume = volume;
   }
 
+  /**
+   * Whether only moving splats are drawn; set null for the scene's own choice. The attribute is the initial state,
+   * `"false"` to begin with all.
+   */
+  get subjectOnly(): boolean {
+    return this.player.subjectOnly;
+  }
+
+  set subjectOnly(asked: boolean | null) {
+    this.player.subjectOnly = asked;
+  }
+
   play(): void {
     this.player.play();
   }
@@ -212,6 +228,7 @@ export class HgsPlayerElement extends HTMLElement {
   attributeChangedCallback(name: string, _: string | null, value: string | null): void {
     if (name === "src") this.#loadSoon();
     else if (name === "poster") this.#view.poster = value;
+    else if (name === "subject-only") this.subjectOnly = value === null ? null : value !== "false";
     else if (name === "controls") this.#view.controls = value !== null;
     else this.player[name as "muted" | "loop"] = value !== null;
   }

@@ -3,9 +3,10 @@
 import type { OrbitCamera } from "../camera/orbit";
 import { eyeOf, type Intrinsics, type Pose } from "../camera/pinhole";
 import { add, cross, length, normalise, scale, subtract, type Vec3 } from "../camera/vector";
-import type { CanvasRenderer } from "../renderer/canvas_renderer";
-import { canDraw, PictureTarget } from "../renderer/picture_target";
+import { drawsHalfFloats, PictureTarget } from "../renderer/picture_target";
 import type { Shot } from "../renderer/shot";
+import type { SplatDrawer } from "../renderer/splat_drawer";
+import type { SceneCanvas } from "./scene_canvas";
 
 /** Duration, seconds. */
 const DURATION = 0.3;
@@ -18,11 +19,10 @@ const SEEN = 0.2;
  * The mean depth at a pixel, world units: of the splats there, each weighted by its share of the pixel's colour. Null
  * where the background is all but uncovered, and on a device that draws to no float format.
  */
-export function depthAt(renderer: CanvasRenderer, shot: Shot, x: number, y: number): number | null {
-  const { splats, lost } = renderer;
+function depthAt(splats: SplatDrawer, shot: Shot, x: number, y: number): number | null {
   const { gl } = splats;
   const { width, height } = shot.camera;
-  if (lost || !canDraw(gl, "RGBA16F")) return null;
+  if (!drawsHalfFloats(gl)) return null;
   const target = new PictureTarget(gl, width, height, "RGBA16F");
   const pixel = [x, height - 1 - y, 1, 1] as const;
   try {
@@ -31,7 +31,9 @@ export function depthAt(renderer: CanvasRenderer, shot: Shot, x: number, y: numb
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT);
     splats.draw(shot, [0, 0], "depth");
-    const [sum, , , seen] = target.read(pixel);
+    const found = new Float32Array(4);
+    gl.readPixels(...pixel, gl.RGBA, gl.FLOAT, found);
+    const [sum, , , seen] = found;
     return seen >= SEEN ? sum / seen : null;
   } finally {
     gl.disable(gl.SCISSOR_TEST);
@@ -40,16 +42,19 @@ export function depthAt(renderer: CanvasRenderer, shot: Shot, x: number, y: numb
 }
 
 /**
- * A step of a turn to a pixel at a depth; null if the view would look straight up or down. It takes the seconds since the
- * last one, and returns false after the end.
+ * A step of a turn to the surface at a position of the picture, pixels of the backing store; null if nothing is there, or
+ * the view would look straight up or down. It takes the seconds since the last one, and returns false after the end.
  */
 export function glance(
   orbit: OrbitCamera,
-  pixel: Vec3,
-  view: { readonly pose: Pose; readonly camera: Intrinsics },
+  { renderer, shot }: Pick<SceneCanvas, "renderer" | "shot">,
+  x: number,
+  y: number,
 ): ((seconds: number) => boolean) | null {
+  const depth = shot && depthAt(renderer.splats, shot, Math.floor(x), Math.floor(y));
+  if (!shot || depth === null) return null;
   const from = { target: orbit.target, up: orbit.upwards };
-  const point = unproject(pixel, view.pose, view.camera);
+  const point = unproject([x, y, depth], shot.pose, shot.camera);
   if (length(cross(normalise(subtract(point, orbit.eye)), orbit.up)) < STEEP) return null;
   let share = 0;
   return (seconds) => {

@@ -35,6 +35,7 @@ export class HgsPlayer extends PlayerReadings {
   readonly #tenant: Tenant;
   #quality: Quality;
   #splatBudget: number;
+  #subjectOnly: boolean | null;
   #muted: boolean;
   #volume: number;
 
@@ -51,6 +52,7 @@ export class HgsPlayer extends PlayerReadings {
     this.asked = asked(options);
     this.#quality = options.quality ?? "auto";
     this.#splatBudget = checkedSplats(options.splatBudget ?? Number.POSITIVE_INFINITY);
+    this.#subjectOnly = options.subjectOnly ?? null;
     this.#muted = options.muted ?? false;
     this.#volume = options.volume ?? 1;
     const readiness = () => this.#readiness;
@@ -169,6 +171,16 @@ export class HgsPlayer extends PlayerReadings {
     if (this.#scene) this.#scene.player.splatBudget = budget;
   }
 
+  /** Whether only moving splats are drawn; set null for the scene's own choice. */
+  get subjectOnly(): boolean {
+    return this.#scene?.player.subjectOnly ?? this.#subjectOnly ?? false;
+  }
+
+  set subjectOnly(asked: boolean | null) {
+    this.#subjectOnly = asked;
+    if (this.#scene) this.#scene.player.subjectOnly = asked;
+  }
+
   /**
    * Whether a scene with sound is muted. A player that begins before the visitor has touched the page mutes itself,
    * because no browser allows sound then.
@@ -243,6 +255,7 @@ export class HgsPlayer extends PlayerReadings {
       this.#scene = new MountedScene(this.#stage, options, (type, detail) => this.#relay(type, detail));
       this.#scene.player.quality = this.#quality;
       this.#scene.player.splatBudget = this.#splatBudget;
+      this.#scene.player.subjectOnly = this.#subjectOnly;
     } catch (error) {
       leaveContext(this.#tenant);
       const message = error instanceof Error ? error.message : String(error);

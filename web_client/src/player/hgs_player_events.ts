@@ -30,6 +30,8 @@ export interface PlayingOptions {
   readonly memoryBudget?: number;
   /** Largest number of splats drawn, the most useful ones; at least 1. Default all. */
   readonly splatBudget?: number;
+  /** Whether to draw only moving splats; the default is the scene's own choice. */
+  readonly subjectOnly?: boolean | null;
 }
 
 /** Options of a scene's sound. */

@@ -54,7 +54,7 @@ export class MountedScene {
         this.player?.invalidate();
         emit("viewchange", null);
       },
-      depthAt: (x: number, y: number) => this.player.depthAt(x, y),
+      scene: () => this.player,
     };
     this.viewpoint = new Viewpoint(canvas, viewpoint, events, signal);
     try {

@@ -40,12 +40,12 @@ export abstract class PlayerReadings extends withMediaApi(Target) {
   }
 
   /**
-   * The picture, RGBA from the top row: sRGB in bytes, or in floats without the canvas's rounding.
+   * The picture as on the canvas: sRGB in RGBA, from the top row.
    *
    * @throws Error if nothing has been drawn yet.
    */
-  readPixels({ float = false } = {}): Pixels {
-    return this.#read(float ? "float" : "canvas");
+  readPixels(): Pixels {
+    return this.#read();
   }
 
   /**
@@ -55,7 +55,7 @@ export abstract class PlayerReadings extends withMediaApi(Target) {
    * @throws Error if nothing has been drawn yet.
    */
   async screenshot(type = "image/png"): Promise<Blob> {
-    const pixels = this.#read("finest");
+    const pixels = this.#read(0);
     const { pictureFile } = await import("./picture_file"); // rarely used
     return pictureFile(pixels, type);
   }
@@ -64,8 +64,8 @@ export abstract class PlayerReadings extends withMediaApi(Target) {
     return this.mounted?.player.playback ?? null;
   }
 
-  #read(as: "canvas" | "float" | "finest"): Pixels {
-    const pixels = this.mounted?.player.readPixels(as);
+  #read(rung?: number): Pixels {
+    const pixels = this.mounted?.player.readPixels(rung);
     if (!pixels) throw new Error("there is no picture: nothing has been drawn yet, or the graphics context is away");
     return pixels;
   }

@@ -5,11 +5,11 @@
 
 import { CanvasRenderer } from "../renderer/canvas_renderer";
 import type { Quality } from "../renderer/fineness";
-import type { Pixels } from "../renderer/shot";
+import type { Pixels, Shot } from "../renderer/shot";
 import type { Playback } from "../scene/playback";
 import type { SceneStep } from "../scene/scene_types";
 import { StreamedScene } from "../scene/streamed_scene";
-import type { View } from "../scene/view";
+import type { Sight, View } from "../scene/view";
 import type { SceneSource } from "../source/scene_source";
 import { Picture } from "./picture";
 import type { PlayerOptions, PlayerStats } from "./player_types";
@@ -44,6 +44,7 @@ export class SceneCanvas {
       {
         manifest: (manifest) => {
           this.renderer.background = manifest.background;
+          this.#fade();
           options.onManifest(manifest);
         },
         changed: () => this.invalidate(),
@@ -123,12 +124,12 @@ export class SceneCanvas {
 
   /**
    * One frame of an external driver, at `now`, milliseconds of the clock of animation frames: moves the playhead,
-   * requests the order for the views, of at most so many splats, and returns the shots to draw. No frame is skipped for
+   * requests the order for `sight`, of at most so many splats, and returns the shots to draw. No frame is skipped for
    * the device's sake. Null until the manifest has arrived.
    */
-  step(now: number, views: readonly [View, ...View[]], splats = Number.POSITIVE_INFINITY): SceneStep | null {
+  step(now: number, views: readonly [View, ...View[]], sight: Sight, splats: number): SceneStep | null {
     this.#scene.splatBudget = Math.min(this.#splatBudget, splats);
-    const step = this.#scene.step(now, views);
+    const step = this.#scene.step(now, views, sight);
     if (step?.shots.length) this.#picture.countFrame(now);
     this.#finish(step?.settled ?? false);
     return step;
@@ -187,6 +188,17 @@ export class SceneCanvas {
     this.invalidate();
   }
 
+  /** Whether static splats are left out; set null for the manifest's choice. */
+  get subjectOnly(): boolean {
+    return this.#scene.subjectOnly;
+  }
+
+  set subjectOnly(asked: boolean | null) {
+    this.#scene.subjectOnly = asked;
+    this.#fade();
+    this.invalidate();
+  }
+
   /** Resolves when everything visible at the playhead has arrived, has been sorted, and is drawn. */
   settled(): Promise<void> {
     return new Promise((resolve) => {
@@ -195,25 +207,18 @@ export class SceneCanvas {
     });
   }
 
-  /**
-   * The picture as on the canvas, in floats without the canvas's rounding, or in the best fineness; null before the
-   * first.
-   */
-  readPixels(as: "canvas" | "float" | "finest"): Pixels | null {
-    const view = this.#options.view();
-    if (this.#kept) return as === "float" ? null : pixelsOf(this.#kept);
-    if (!view || !this.#scene.orders.shown || this.renderer.lost) return null;
-    const shot = this.#scene.shot(view);
+  /** The picture, as on the canvas or in the fineness of a rung of `LADDER`; null before the first. */
+  readPixels(rung?: number): Pixels | null {
+    if (this.#kept) return pixelsOf(this.#kept);
     this.invalidate(); // every picture measures the device's pace
-    if (as === "float") return this.renderer.readFloatPixels(shot);
-    return this.renderer.readPixels(shot, as === "finest" ? 0 : undefined);
+    const { shot } = this;
+    return shot && this.renderer.readPixels(shot, rung);
   }
 
-  /** The depth at a pixel of the picture, world units along the view axis; null if nothing is there. */
-  async depthAt(x: number, y: number): Promise<number | null> {
-    const { depthAt } = await import("./glance");
+  /** The shot of the current view; null before the first order, and without a context. */
+  get shot(): Shot | null {
     const view = this.#options.view();
-    return view && this.#scene.orders.shown ? depthAt(this.renderer, this.#scene.shot(view), x, y) : null;
+    return view && this.#scene.orders.shown && !this.renderer.lost ? this.#scene.shot(view) : null;
   }
 
   /** Stop and release everything. */
@@ -236,6 +241,19 @@ export class SceneCanvas {
   #visibility(): void {
     if (!document.hidden) this.#scene.wake();
     this.#scene.playback?.pageHidden(document.hidden);
+  }
+
+  /** Load the fading of static splats, where some may fade. */
+  #fade(): void {
+    const { manifest, subjectOnly } = this.#scene;
+    if (!manifest || !(subjectOnly || manifest.capturedSpace?.cones)) return;
+    import("./fading")
+      .then(({ fade }) => {
+        fade(this.#scene, this.renderer, manifest);
+        this.#picture.outdate();
+        this.invalidate();
+      })
+      .catch(() => {}); // shown as everywhere
   }
 
   #unkeep(): void {

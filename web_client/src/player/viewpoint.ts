@@ -9,6 +9,7 @@ import type { Vec3 } from "../camera/vector";
 import type { Manifest } from "../codec/types";
 import type { View } from "../scene/view";
 import { observeBackingSize } from "./backing_size";
+import type { SceneCanvas } from "./scene_canvas";
 
 export interface ViewpointOptions {
   /** Name of the first capture camera; null for the first in the list. */
@@ -31,8 +32,8 @@ const CLEAR_NEARS = 1.5;
 export interface ViewpointEvents {
   /** Called after every change of the view. */
   changed(): void;
-  /** The depth at a pixel of the backing store, world units along the view axis; null if nothing is there. */
-  depthAt(x: number, y: number): Promise<number | null>;
+  /** The canvas with the viewpoint's pictures. */
+  scene(): Pick<SceneCanvas, "renderer" | "shot">;
 }
 
 /** The position and direction of a camera, in the scene's world. */
@@ -112,7 +113,7 @@ export class Viewpoint implements CameraMotion {
   view(): View | null {
     if (!this.#start || !this.#orbit) return null;
     const camera = this.#intrinsics(this.#start);
-    if (this.options.exact) return { pose: this.#start.pose, camera };
+    if (this.options.exact) return { pose: this.#start.pose, camera, still: 1 };
     // The near plane moves along: otherwise zooming in would cut a hole into the target.
     const { pose, closeness, distance } = this.#orbit;
     const near = camera.near * closeness;
@@ -167,10 +168,7 @@ export class Viewpoint implements CameraMotion {
   async focus(x: number, y: number): Promise<void> {
     const [column, row] = [x * this.#pixelsPerCssPixel, y * this.#pixelsPerCssPixel];
     const part = await import("./glance").catch(() => null);
-    const depth = part && (await this.events.depthAt(Math.floor(column), Math.floor(row)));
-    const view = this.view();
-    if (!part || depth === null || !view || !this.#orbit) return;
-    const step = part.glance(this.#orbit, [column, row, depth], view);
+    const step = this.#orbit && part?.glance(this.#orbit, this.events.scene(), column, row);
     if (step) this.#run((seconds) => step(calm() ? Number.POSITIVE_INFINITY : seconds));
   }
 

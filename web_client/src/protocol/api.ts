@@ -44,6 +44,8 @@ export interface Job {
   /** The reason for which an unfinished job does not run at the moment. */
   readonly waiting: string | null;
   readonly scene: string | null;
+  /** The expected end of a running job, seconds since 1970; null if unknown. */
+  readonly ends: number | null;
   readonly created: number;
   readonly updated: number;
 }

@@ -4,7 +4,6 @@ import { resized } from "../camera/pinhole";
 import { CanvasTarget } from "./canvas_target";
 import { LADDER, QualityControl } from "./fineness";
 import { GpuPace } from "./gpu_pace";
-import { canDraw, PictureTarget } from "./picture_target";
 import type { Pixels, Shot } from "./shot";
 import { SplatDrawer } from "./splat_drawer";
 
@@ -19,6 +18,8 @@ export class CanvasRenderer {
   #pace!: GpuPace;
   /** sRGB behind the splats, in [0, 1]. */
   background: readonly [number, number, number] = [0, 0, 0];
+  /** Draws behind splats of which some fade. */
+  backdrop?: (shot: Shot) => void;
   #lost = false;
   /** The extension, obtained beforehand: a lost context returns nothing, not even this. */
   readonly #loss: WEBGL_lose_context | null;
@@ -115,7 +116,7 @@ export class CanvasRenderer {
     const { width, height } = shot.camera;
     const drawn = this.#target.begin(width, height, LADDER[rung]);
     const smaller = drawn.width < width || drawn.height < height;
-    this.#submit(smaller ? { ...shot, camera: resized(shot.camera, drawn.width, drawn.height) } : shot);
+    this.fill(smaller ? { ...shot, camera: resized(shot.camera, drawn.width, drawn.height) } : shot);
     this.#target.end();
     this.#pace.submitted(performance.now(), rung);
   }
@@ -131,24 +132,6 @@ export class CanvasRenderer {
     const data = new Uint8Array(4 * width * height);
     gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, data);
     return { width, height, data: flipped(data, width, height) };
-  }
-
-  /**
-   * Draw into a 32-bit float picture (16-bit where the device cannot blend 32) and read it.
-   *
-   * @throws Error if the device draws to no float format.
-   */
-  readFloatPixels(shot: Shot): Pixels {
-    const { width, height } = shot.camera;
-    const format = canDraw(this.#gl, "RGBA32F") ? "RGBA32F" : "RGBA16F";
-    if (!canDraw(this.#gl, format)) throw new Error("this device cannot draw into float textures");
-    const target = new PictureTarget(this.#gl, width, height, format);
-    try {
-      this.#submit(shot);
-      return { width, height, data: flipped(target.read(), width, height) };
-    } finally {
-      target.dispose();
-    }
   }
 
   /** Release everything. */
@@ -168,16 +151,18 @@ export class CanvasRenderer {
     this.#pace = new GpuPace(this.#gl, (duration, rung) => this.quality.measured(duration, rung));
   }
 
-  #submit(shot: Shot): void {
+  /** Draw into the bound target, over the background. */
+  fill(shot: Shot): void {
     const gl = this.#gl;
     gl.clearColor(...this.background, 1);
     gl.clear(gl.COLOR_BUFFER_BIT);
+    this.backdrop?.(shot);
     this.splats.draw(shot);
   }
 }
 
 /** Rows in reverse order: WebGL reads from the bottom row. */
-function flipped<T extends Uint8Array | Float32Array>(data: T, width: number, height: number): T {
+export function flipped<T extends Uint8Array | Float32Array>(data: T, width: number, height: number): T {
   const out = data.slice() as T;
   for (let y = 0; y < height; y++) {
     const from = (height - 1 - y) * width * 4;

@@ -1,7 +1,7 @@
 /** The target of drawing: the canvas itself, or a picture in half floats or with fewer pixels that is copied to it. */
 
 import type { Fineness } from "./fineness";
-import { canDraw, PictureTarget } from "./picture_target";
+import { drawsHalfFloats, PictureTarget } from "./picture_target";
 import presentFragmentShader from "./present.frag?raw";
 import presentVertexShader from "./present.vert?raw";
 import { Program } from "./program";
@@ -20,7 +20,7 @@ export class CanvasTarget {
   /** Create the target, again after a restoration of the context. */
   constructor(gl: WebGL2RenderingContext) {
     this.#gl = gl;
-    this.#float = canDraw(gl, "RGBA16F");
+    this.#float = drawsHalfFloats(gl);
     this.#program = new Program(gl, presentVertexShader, presentFragmentShader, ["picture", "size"]);
   }
 

@@ -1,4 +1,4 @@
-/** The layout of splats in the data textures; shared by the worker that packs them and the shaders that read them. */
+/** The layout of splats in the data textures, and further numbers that the worker and the shaders share. */
 
 import type { ChunkEntry, Manifest } from "../codec/types";
 
@@ -38,6 +38,9 @@ export const isDynamic = (id: number): boolean => id >= DYNAMIC_BIT;
 /** Triangles per instance, one for each splat: small instances starve GPUs. */
 export const TRIANGLES_PER_INSTANCE = 1024;
 
+/** Variance that drawing adds to a splat on the screen (docs/numerics.md, Projection), pixels squared. */
+export const LOW_PASS = 0.3;
+
 /** The numbers above as definitions for the vertex shader of splats. */
 export const LAYOUT_DEFINITIONS = `
 #define TEXTURE_BITS ${TEXTURE_BITS}
@@ -48,6 +51,7 @@ export const LAYOUT_DEFINITIONS = `
 #define FIFTH_WIDTH ${FIFTH_WIDTH}
 #define DYNAMIC_BIT ${DYNAMIC_BIT}u
 #define TRIANGLES_PER_INSTANCE ${TRIANGLES_PER_INSTANCE}u
+#define LOW_PASS ${LOW_PASS}
 `;
 
 export interface StaticPlacement {

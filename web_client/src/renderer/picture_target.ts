@@ -2,12 +2,9 @@
 
 export type PixelFormat = "RGBA8" | "RGBA16F" | "RGBA32F";
 
-/** Whether the device draws and blends into textures of the format. */
-export function canDraw(gl: WebGL2RenderingContext, format: PixelFormat): boolean {
-  const float = gl.getExtension("EXT_color_buffer_float") !== null;
-  if (format === "RGBA32F") return float && gl.getExtension("EXT_float_blend") !== null;
-  return format === "RGBA8" || float || gl.getExtension("EXT_color_buffer_half_float") !== null;
-}
+/** Whether the device draws and blends into textures of half floats. */
+export const drawsHalfFloats = (gl: WebGL2RenderingContext): boolean =>
+  gl.getExtension("EXT_color_buffer_float") !== null || gl.getExtension("EXT_color_buffer_half_float") !== null;
 
 export class PictureTarget {
   readonly #gl: WebGL2RenderingContext;
@@ -45,14 +42,6 @@ export class PictureTarget {
   bindTexture(unit: number): void {
     this.#gl.activeTexture(this.#gl.TEXTURE0 + unit);
     this.#gl.bindTexture(this.#gl.TEXTURE_2D, this.#texture);
-  }
-
-  /** RGBA, rows from the bottom; float formats only. `part` is x, y from the bottom, width, height. */
-  read(part: readonly [number, number, number, number] = [0, 0, this.width, this.height]): Float32Array {
-    this.bind();
-    const data = new Float32Array(4 * part[2] * part[3]);
-    this.#gl.readPixels(...part, this.#gl.RGBA, this.#gl.FLOAT, data);
-    return data;
   }
 
   dispose(): void {

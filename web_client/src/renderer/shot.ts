@@ -3,16 +3,18 @@
 import type { Rig } from "../camera/magnification";
 import type { Intrinsics, Pose } from "../camera/pinhole";
 
-/** The fading of splats close to an eye; for eyes at any place: moved by a visitor, or in a headset. */
-export interface CloseUp {
+/** The fading of splats for eyes at any place, moved by a visitor or in a headset: close to it, or not filmed from there. */
+export interface Fading {
   /** Smallest depth without fading, world units; splats fade towards the near plane. Undefined: 0. */
   readonly clear?: number;
   /** Largest standard deviation without fading, pixels; splats of twice that are not drawn. Undefined: unlimited. */
   readonly widest?: number;
+  /** Factor of the opacity of static splats. Undefined: 1. */
+  readonly still?: number;
 }
 
 /** A picture, that of docs/numerics.md unless something fades. */
-export interface Shot extends CloseUp {
+export interface Shot extends Fading {
   readonly pose: Pose;
   readonly camera: Intrinsics;
   /** Normalised time in the segment of the order's dynamics. */

@@ -21,6 +21,7 @@ uniform float time;           // normalised time of the segment
 uniform float near;           // world units
 uniform bool antialiased;
 uniform vec4 magnification;   // (a, b, c, d): shown (a x + b y + c z + d) / z times as large as in the pictures of the scene
+uniform float still;          // factor of the opacity of static splats
 uniform vec2 closeUp;         // depth of the farthest fading splat, world units; deviation at which fading begins, pixels
 uniform bool depths;          // draw depths (world units) instead of colours
 
@@ -34,7 +35,6 @@ flat out vec4 colour;         // rgb, log2 of the opacity
 void surround(vec3 p, vec3 paint);
 #endif
 
-const float LOW_PASS = 0.3;
 const float VISIBLE = 1.0 / 255.0;
 const float LARGEST = 1e18;   // pixels squared; wider splats would overflow
 const float FAINTEST = 0.005 * 0.005;
@@ -95,7 +95,7 @@ void main() {
     position = a.xyz;
     quaternion = texelFetch(statics, at + ivec2(1, 0), 0);
     sigma = texelFetch(statics, at + ivec2(2, 0), 0).xyz;
-    paint = vec4(texelFetch(statics, at + ivec2(3, 0), 0).xyz, a.w);
+    paint = vec4(texelFetch(statics, at + ivec2(3, 0), 0).xyz, still * a.w);
   }
 
   vec3 p = rotation * position + translation;

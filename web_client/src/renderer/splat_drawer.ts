@@ -28,6 +28,7 @@ const UNIFORMS = [
   "near",
   "antialiased",
   "magnification",
+  "still",
   "closeUp",
   "depths",
 ] as const;
@@ -145,7 +146,7 @@ export class SplatDrawer implements SplatSink {
    * a splat's colour is the depth of its centre.
    */
   draw(
-    { pose, camera, time, antialiased, rig, clear = 0, widest = LARGEST }: Shot,
+    { pose, camera, time, antialiased, rig, still = 1, clear = 0, widest = LARGEST }: Shot,
     origin: readonly [number, number] = [0, 0],
     paint: "colour" | "depth" = "colour",
   ): void {
@@ -180,6 +181,7 @@ export class SplatDrawer implements SplatSink {
     gl.uniform1f(u.near, camera.near);
     gl.uniform1i(u.antialiased, antialiased ? 1 : 0);
     gl.uniform4f(u.magnification, ...magnification(rig, pose, camera));
+    gl.uniform1f(u.still, still);
     gl.uniform2f(u.closeUp, clear, widest);
     gl.uniform1i(u.depths, paint === "depth" ? 1 : 0);
     this.surroundings?.prepare(gl);

@@ -23,6 +23,8 @@ export class StreamedScene {
   readonly orders: OrderRequests;
   /** Largest number of splats per view, the most useful ones; from the next step on. */
   splatBudget = Number.POSITIVE_INFINITY;
+  /** Factor of static splats' opacity in a view, from 0 to 1. */
+  still: (view: View) => number = () => 1;
   readonly #options: SceneOptions;
   readonly #events: SceneEvents;
   readonly #worker: SceneWorker;
@@ -31,6 +33,7 @@ export class StreamedScene {
   readonly #line = new Throughput();
   #manifest: Manifest | null = null;
   #rig: Rig = [];
+  #subjectOnly: boolean | null = null;
   #playback: Playback | null = null; // null until the manifest has arrived
   #state: SourceState = "connecting";
   #bytes = 0;
@@ -94,6 +97,15 @@ export class StreamedScene {
     return this.#playback;
   }
 
+  /** Whether static splats are left out: by request, or else by the manifest's choice. */
+  get subjectOnly(): boolean {
+    return this.#subjectOnly ?? this.#manifest?.capturedSpace?.subjectOnly ?? false;
+  }
+
+  set subjectOnly(asked: boolean | null) {
+    this.#subjectOnly = asked;
+  }
+
   /** Number of chunks decoded by the worker. */
   get version(): number {
     return this.#chunks.version;
@@ -124,17 +136,16 @@ export class StreamedScene {
   }
 
   /**
-   * One frame: move the clock to `now`, milliseconds of any steady clock, request the order for the views, and return
-   * the shots to draw. Called by every kind of loop: a page's, a headset's, a host's. Null until the manifest has
+   * One frame: move the clock to `now`, milliseconds of any steady clock, request the order for `sight`, by default
+   * the first view's, and return the shots of the views. Called by every kind of loop: a page's, a headset's, a host's. Null until the manifest has
    * arrived.
    */
-  step(now: number, views: readonly [View, ...View[]]): SceneStep | null {
+  step(now: number, views: readonly [View, ...View[]], sight = sightOf(views)): SceneStep | null {
     const playback = this.#playback;
     if (!playback) return null;
     this.orders.frame(now);
     playback.tick(now / 1000, this.#pictured);
     this.#reside();
-    const sight = sightOf(views);
     const exact = this.#lastSight === null || sameSight(this.#lastSight, sight);
     this.#lastSight = sight;
     const { splatBudget: budget } = this;
@@ -151,10 +162,11 @@ export class StreamedScene {
   /** The current shot of a view: at the playhead, or as near to it as the order `shown` allows. */
   shot(view: View, shown: OrderKey | null = this.orders.shown): Shot {
     const antialiased = this.#options.antialiased ?? this.#manifest?.antialiased ?? false;
-    const rig = this.#rig;
-    if (!shown || !this.#manifest || !this.#playback) return { ...view, time: 0, antialiased, rig };
+    const still = view.still ?? (this.subjectOnly ? 0 : this.still(view));
+    const shot = { ...view, time: 0, antialiased, rig: this.#rig, still };
+    if (!shown || !this.#manifest || !this.#playback) return shot;
     this.#pictureTime = drawnTime(shown, this.#playback.clock.time);
-    return { ...view, time: normalised(this.#manifest, shown, this.#pictureTime), antialiased, rig };
+    return { ...shot, time: normalised(this.#manifest, shown, this.#pictureTime) };
   }
 
   /** Stop ordering and the playhead until `restore`: the sink takes nothing. */

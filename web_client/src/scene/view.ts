@@ -1,12 +1,11 @@
 /** Views of a scene, and the depth and frustum for ordering splats in them. */
 
-import { eyeOf, type Intrinsics, type Pose } from "../camera/pinhole";
-import { add, length, scale, subtract } from "../camera/vector";
-import type { CloseUp } from "../renderer/shot";
+import type { Intrinsics, Pose } from "../camera/pinhole";
+import type { Fading } from "../renderer/shot";
 import { type SplatDepth, sameDepth } from "../worker/depth";
 import { type Frustum, frustumOf, sameFrustum } from "../worker/frustum";
 
-export interface View extends CloseUp {
+export interface View extends Fading {
   readonly pose: Pose;
   readonly camera: Intrinsics;
 }
@@ -25,6 +24,7 @@ export function sameView(a: View | null, b: View): boolean {
     p.cy === q.cy &&
     p.near === q.near &&
     a.clear === b.clear &&
+    a.still === b.still &&
     equal(a.pose.rotation, b.pose.rotation) &&
     equal(a.pose.translation, b.pose.translation)
   );
@@ -36,13 +36,8 @@ export interface Sight {
   readonly frustum: Frustum | null;
 }
 
-/**
- * The sight of one view: its depth as in docs/numerics.md, and its frustum. For several views, as of a headset: the
- * distance from the middle of the eyes and no frustum, so that a head may turn without a new order.
- */
-export function sightOf(views: readonly [View, ...View[]]): Sight {
-  const [{ pose, camera }] = views;
-  if (views.length > 1) return { depth: distance(views), frustum: null };
+/** The sight of a first view: its depth as in docs/numerics.md, and its frustum. */
+export function sightOf([{ pose, camera }]: readonly [View, ...View[]]): Sight {
   const r = pose.rotation;
   const depth: SplatDepth = {
     kind: "planar",
@@ -57,17 +52,5 @@ export function sightOf(views: readonly [View, ...View[]]): Sight {
 
 export const sameSight = (a: Sight, b: Sight): boolean =>
   sameDepth(a.depth, b.depth) && sameFrustum(a.frustum, b.frustum);
-
-function distance(views: readonly View[]): SplatDepth {
-  const eyes = views.map((view) => eyeOf(view.pose));
-  const middle = scale(
-    eyes.reduce((sum, eye) => add(sum, eye)),
-    1 / eyes.length,
-  );
-  const apart = Math.max(...eyes.map((eye) => length(subtract(eye, middle))));
-  // An eye may be nearer to a splat than the middle; the shader omits splats that are too near to it.
-  const near = Math.max(0, Math.min(...views.map((view) => view.camera.near)) - apart);
-  return { kind: "radial", x: middle[0], y: middle[1], z: middle[2], near };
-}
 
 const equal = (a: readonly number[], b: readonly number[]): boolean => a.every((value, i) => value === b[i]);

@@ -6,9 +6,9 @@ import type { Playhead } from "./scene_source";
 
 /** Seconds of playing ahead; within each stretch, base layers come before refinements. */
 const NEAR = 8;
-const AHEAD = [3, NEAR, Number.POSITIVE_INFINITY];
+const SENT_AHEAD = [3, NEAR, Number.POSITIVE_INFINITY];
 /** Seconds of playing ahead for which pages of the manifest come before their chunks. */
-const PAGES_AHEAD = 12;
+const PAGES_SENT_AHEAD = 12;
 /** Bytes that are about in flight before a refinement: one that cannot arrive before its slice is over has to wait. */
 const UNDER_WAY = 1 << 16;
 
@@ -47,8 +47,8 @@ export class ChunkOrder {
       around.filter(
         (slice, i) => slice.start + (first + i < slices.length ? 0 : end - start) <= time + ahead * (rate || 1),
       );
-    yield* take(within(PAGES_AHEAD).flatMap(({ chunks }) => chunks.filter(({ splats }) => !splats)));
-    for (const ahead of AHEAD) {
+    yield* take(within(PAGES_SENT_AHEAD).flatMap(({ chunks }) => chunks.filter(({ splats }) => !splats)));
+    for (const ahead of SENT_AHEAD) {
       const near = within(ahead);
       yield* take(near.flatMap((slice) => this.#of(chunksOf(slice), true)));
       if (ahead <= NEAR && near[0]?.end <= soonest) near.shift();

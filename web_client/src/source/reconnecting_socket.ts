@@ -8,14 +8,18 @@ const MOST_PATIENCE = 8;
 /** Close codes after which the server would refuse again; those from 4000 on are final, too. */
 const FINAL_CODES: ReadonlySet<number> = new Set([1003, 1009]);
 const HELLO_TIMEOUT = 4008;
+const RESTARTING = 1012;
+
+/** The end of a connection that will be replaced: it broke, no message arrived, or the server stops. */
+export type Loss = "broken" | "silent" | "restarting";
 
 export interface ReconnectingEvents {
   connecting(): void;
   /** A connection is open: send the hello with this credit. */
   open(credits: number): void;
   message(bytes: Uint8Array<ArrayBuffer>): void;
-  /** The connection is lost, and will be replaced; `silent` if it did not end, but no message arrived. */
-  retrying(silent: boolean): void;
+  /** The connection is lost, and will be replaced. */
+  retrying(loss: Loss): void;
   /** The connection is closed for good, by the server with this code. */
   refused(code: number): void;
 }
@@ -89,18 +93,18 @@ export class ReconnectingSocket {
     this.#leave();
     const final = FINAL_CODES.has(code) || (code >= 4000 && code !== HELLO_TIMEOUT);
     if (final) this.events.refused(code);
-    else this.#retryLater(false);
+    else this.#retryLater(code === RESTARTING ? "restarting" : "broken");
   }
 
   /** Replace a silent connection. A line that is slower than the patience gets more time next. */
   #silent(): void {
     this.#patience = Math.min(MOST_PATIENCE, 2 * this.#patience);
     this.#leave();
-    this.#retryLater(true);
+    this.#retryLater("silent");
   }
 
-  #retryLater(silent: boolean): void {
-    this.events.retrying(silent);
+  #retryLater(loss: Loss): void {
+    this.events.retrying(loss);
     this.#retry = setTimeout(() => this.#connect(), retryDelay(this.#failures++));
   }
 

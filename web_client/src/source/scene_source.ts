@@ -16,8 +16,11 @@ export type SourceFailure =
   | "not-loaded"
   | "ended";
 
-/** `over-http`: open, but by HTTP, because the stream does not get through. */
-export type SourceState = "connecting" | "open" | "over-http" | "retrying" | "closed";
+/**
+ * `over-http`: open, but by HTTP, because the stream does not get through. `restarting`: the server has said that it
+ * stops, and is awaited.
+ */
+export type SourceState = "connecting" | "open" | "over-http" | "retrying" | "restarting" | "closed";
 
 /** Events of a source. */
 export interface SourceEvents {

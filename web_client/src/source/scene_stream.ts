@@ -46,6 +46,7 @@ export class SceneStream implements SceneSource {
   #playhead: Playhead;
   #undecoded = 0;
   #welcomed = false;
+  #restarting = false; // a stop announced by the server, until its next welcome
 
   constructor(
     readonly url: string,
@@ -57,13 +58,14 @@ export class SceneStream implements SceneSource {
   ) {
     this.#playhead = playhead;
     this.#socket = new ReconnectingSocket(() => connect(url), {
-      connecting: () => events.state("connecting"),
+      connecting: () => events.state(this.#restarting ? "restarting" : "connecting"),
       open: (credits) => this.#greet(credits),
       message: (bytes) => this.#messages.put(bytes),
-      retrying: (silent) => {
+      retrying: (loss) => {
         this.#moves.clear();
-        events.state("retrying");
-        if (!this.#welcomed) unwelcome(silent);
+        this.#restarting ||= loss === "restarting";
+        events.state(this.#restarting ? "restarting" : "retrying");
+        if (!this.#welcomed) unwelcome(loss === "silent");
       },
       refused: (code) => this.#fail(streamFailure(code), `the server closed the stream (${code})`),
     });
@@ -179,6 +181,7 @@ export class SceneStream implements SceneSource {
     const { protocol, manifest, manifest_id } = message;
     if (protocol !== PROTOCOL) throw new ProtocolError(`version ${protocol} instead of ${PROTOCOL}`);
     this.#welcomed = true;
+    this.#restarting = false;
     this.events.state("open");
     if (this.#id?.every((byte, i) => byte === manifest_id[i])) return;
     if (manifest.length === 0) throw new ProtocolError("a welcome has no manifest");

@@ -1,6 +1,7 @@
 /** `@hgs/player/three`: a scene that streams and plays inside a host's scene of three.js. See docs/three.md. */
 
 import { type Camera, Object3D, type PerspectiveCamera, type WebGLRenderer } from "three";
+import { stillShare } from "../camera/cones";
 import type { Manifest } from "../codec/types";
 import { type Asked, asked, withMediaApi } from "../player/media_api";
 import { checkedSplats } from "../renderer/fineness";
@@ -72,6 +73,7 @@ export class HgsScene extends withMediaApi(Object3D<HgsSceneEventMap>) {
         grown: (manifest) => this.#mesh.bound(manifest),
         manifest: (manifest) => {
           this.#mesh.bound(manifest);
+          this.#scene.still = stillShare(manifest);
           this.begin();
           this.emit("manifest", manifest);
           if (manifest.audio) void this.#sound.listen();
@@ -85,6 +87,7 @@ export class HgsScene extends withMediaApi(Object3D<HgsSceneEventMap>) {
       },
     );
     this.#scene.splatBudget = checkedSplats(options.splatBudget ?? Number.POSITIVE_INFINITY);
+    this.#scene.subjectOnly = options.subjectOnly ?? null;
     this.#sound = new HostSound(options, this.#scene, this.#listeners.signal, {
       changed: () => this.emit("volumechange", null),
       failed: (problem) => this.emit("error", problem),
@@ -124,6 +127,16 @@ export class HgsScene extends withMediaApi(Object3D<HgsSceneEventMap>) {
 
   set volume(volume: number) {
     this.#sound.volume = volume;
+  }
+
+  /** Whether only moving splats are drawn; set null for the scene's own choice. */
+  get subjectOnly(): boolean {
+    return this.#scene.subjectOnly;
+  }
+
+  set subjectOnly(asked: boolean | null) {
+    this.#scene.subjectOnly = asked;
+    this.changed();
   }
 
   /**

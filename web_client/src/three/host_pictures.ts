@@ -2,6 +2,7 @@
 
 import { type Camera, ColorManagement, LinearTransfer, type Matrix4, Vector4, type WebGLRenderer } from "three";
 import type { SplatSink } from "../renderer/splat_drawer";
+import { headSight } from "../scene/head_sight";
 import type { OrderKey } from "../scene/order_requests";
 import type { StreamedScene } from "../scene/streamed_scene";
 import type { View } from "../scene/view";
@@ -101,7 +102,7 @@ export class HostPictures {
     }
     const now = performance.now();
     if (!apart) {
-      this.#settled = scene.step(now, views)?.settled ?? false;
+      this.#settled = scene.step(now, views, headSight(views))?.settled ?? false;
       return;
     }
     const turn = this.#orders.turn(views, playback.clock.time, version);

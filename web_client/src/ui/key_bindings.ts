@@ -125,6 +125,7 @@ export function playerKeys(player: HgsPlayer, actions: PlayerActions, view: KeyS
     { keys: ["+", "="], shown: "+", does: "Move closer", action: zoom(1 / ZOOM) },
     { keys: ["-"], does: "Move away", action: zoom(ZOOM) },
     { keys: ["r"], does: "Back to the camera", action: () => actions.resetCamera() },
+    { keys: ["h"], does: "Hide or show all that stands still", action: () => actions.toggleSubjectOnly() },
     { keys: ["g"], does: "Fly, or turn around the scene", action: () => actions.toggleFly() },
   ];
   const rest = [

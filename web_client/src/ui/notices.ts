@@ -1,15 +1,12 @@
 /** The notices over the picture: in the middle before the first picture, later in a quiet line above the controls. */
 
 import { element, icon, setText } from "../dom/element";
-import { formatBytes } from "../dom/format";
 import { CLOSE } from "../dom/icons";
 import type { PlayerStats } from "../player/player_types";
+import { DAMAGED, describeNotice, LOST_FOR_LONG, type NoticeKind } from "./notice_words";
 
 /** Milliseconds in which a lost picture usually returns. */
 const PATIENCE = 5000;
-
-/** Kinds of notices: no picture yet, a lost picture, a lost connection, waiting for data; or nothing. */
-export type NoticeKind = "loading" | "lost" | "aside" | "retrying" | "stalled" | "none";
 
 /** The notice for a player, which waits for data if `stalled`. */
 export function noticeKind(stats: PlayerStats, stalled: boolean): NoticeKind {
@@ -17,33 +14,9 @@ export function noticeKind(stats: PlayerStats, stalled: boolean): NoticeKind {
   if (stats.firstFrame === null) return "loading";
   if (stats.setAside) return "aside";
   if (stats.complete) return "none"; // the server is not needed any more
-  if (stats.stream === "retrying" || stats.stream === "connecting") return "retrying";
+  if (/ing$/.test(stats.stream)) return "retrying"; // connecting, retrying or restarting
   return stalled ? "stalled" : "none";
 }
-
-/** The sentence for it. */
-export function describeNotice(kind: NoticeKind, stats: PlayerStats): string {
-  const share = `${formatBytes(stats.bytes)} of ${formatBytes(stats.bytesTotal)}`;
-  const retrying = "Connection lost. Trying again…";
-  switch (kind) {
-    case "loading":
-      if (stats.stream === "retrying") return retrying;
-      return stats.bytesTotal === 0 ? "Connecting…" : `Loading ${share}`;
-    case "lost":
-      return "The graphics card was reset. One moment…";
-    case "aside":
-      return "Press to play this one instead.";
-    case "retrying":
-      return retrying;
-    case "stalled":
-      return stats.atEdge ? "More of this scene is still being made…" : `Waiting for data: ${share}`;
-    case "none":
-      return "";
-  }
-}
-
-const DAMAGED = "A part of this scene is damaged and cannot be shown.";
-const LOST_FOR_LONG = "The picture has not come back. Reloading the page should help.";
 
 /** The exits from a failure. */
 export interface WaysOut {

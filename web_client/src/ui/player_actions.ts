@@ -131,6 +131,19 @@ export class PlayerActions {
     this.#done(fly.active ? "Flying: W A S D, Q and E; drag to look around" : "Turning around the scene");
   }
 
+  /** Whether something moves before something that stands still. */
+  get hasSubject(): boolean {
+    const totals = this.player.manifest?.totals;
+    return totals !== undefined && totals.splatsDynamic > 0 && totals.splatsStatic > 0;
+  }
+
+  toggleSubjectOnly(): void {
+    const { player } = this;
+    if (!this.hasSubject) return;
+    player.subjectOnly = !player.subjectOnly;
+    this.#done(player.subjectOnly ? "Only what moves" : "Everything");
+  }
+
   resetCamera(): void {
     this.player.camera.reset();
     this.surroundings.notify("Back to the camera");
@@ -141,7 +154,9 @@ export class PlayerActions {
     const { link, bookmarks, notify, fail } = this.surroundings;
     if (!link) return;
     const { player } = this;
+    const own = player.manifest?.capturedSpace?.subjectOnly ?? false;
     const address = link({
+      subjectOnly: player.subjectOnly === own ? null : player.subjectOnly,
       time: player.currentTime,
       paused: player.paused,
       camera: player.camera.name,

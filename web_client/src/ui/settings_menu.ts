@@ -27,6 +27,7 @@ export class SettingsMenu {
   readonly #camera = element("select", { "aria-label": "Camera" });
   readonly #loop: HTMLButtonElement;
   readonly #fly: HTMLButtonElement;
+  readonly #subjectOnly: HTMLButtonElement;
   readonly #statistics: HTMLButtonElement;
   readonly #clear: HTMLButtonElement;
   readonly #marks = element("div", { class: "menu-marks" });
@@ -55,6 +56,7 @@ export class SettingsMenu {
 
     this.#loop = toggle("Repeat (Shift + L)", () => actions.toggleLoop());
     this.#fly = toggle("Fly (G)", () => actions.toggleFly());
+    this.#subjectOnly = toggle("Subject only (H)", () => actions.toggleSubjectOnly());
     this.#statistics = toggle("Statistics (S)", () => view.toggleStatistics());
     this.#clear = command("Clear the repeated part (X)", () => actions.clearLoop());
     const { moves } = actions;
@@ -67,6 +69,7 @@ export class SettingsMenu {
       group(
         ...(moves ? [this.#loop] : []),
         this.#fly,
+        ...(actions.hasSubject ? [this.#subjectOnly] : []),
         this.#statistics,
         command("Back to the camera (R)", () => actions.resetCamera()),
       ),
@@ -104,6 +107,7 @@ export class SettingsMenu {
     this.#camera.value = player.camera.name ?? "";
     press(this.#loop, player.loop);
     press(this.#fly, actions.surroundings.fly.active);
+    press(this.#subjectOnly, player.subjectOnly);
     press(this.#statistics, view.statisticsShown);
     this.#clear.hidden = player.loopRange === null;
     this.#marks.replaceChildren(

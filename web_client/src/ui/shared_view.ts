@@ -13,6 +13,8 @@ export interface SharedView {
   /** Seconds. */
   readonly loopRange: readonly [number, number] | null;
   readonly bookmarks: readonly number[];
+  /** Whether only moving splats are drawn; null for the scene's own choice. */
+  readonly subjectOnly: boolean | null;
 }
 
 /** Seven digits: a millionth of the scene's size, far below a pixel. */
@@ -20,7 +22,8 @@ const short = (value: number): string => String(Number(value.toPrecision(7)));
 const list = (values: readonly number[]): string => values.map(short).join(",");
 
 /** The address of a viewer page with a view; further parameters of `page`, such as `antialiased`, stay. */
-export function sharedLink(page: string, { time, paused, camera, view, loopRange, bookmarks }: SharedView): string {
+export function sharedLink(page: string, shared: SharedView): string {
+  const { time, paused, camera, view, loopRange, bookmarks, subjectOnly } = shared;
   return withParameters(page, {
     t: short(time),
     paused: paused ? "1" : null,
@@ -28,6 +31,7 @@ export function sharedLink(page: string, { time, paused, camera, view, loopRange
     view: view && list([...view.position, ...view.target, ...view.up]),
     loop: loopRange && list(loopRange),
     marks: list(bookmarks) || null,
+    subject: subjectOnly === null ? null : String(Number(subjectOnly)),
   });
 }
 

@@ -13,6 +13,7 @@ const STREAM_NAMES = {
   open: "connected",
   "over-http": NO_SOCKETS,
   retrying: "reconnecting",
+  restarting: "server restarts",
   closed: "closed",
 };
 

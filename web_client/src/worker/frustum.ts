@@ -1,6 +1,7 @@
 /** The frustum of a picture: keeps splats with an ellipse (docs/numerics.md, Projection) that may touch the screen. */
 
 import type { Intrinsics, Pose } from "../camera/pinhole";
+import { LOW_PASS } from "../renderer/layout";
 
 /**
  * One side of a picture in the world. A splat with centre p may be visible if x p.x + y p.y + z p.z + offset + spread *
@@ -21,7 +22,7 @@ const SLACK = 0.1;
 /** Deviations from the centre at which the most opaque splat falls to 1/255. */
 const FARTHEST = Math.sqrt(2 * Math.log(255));
 /** Deviation of the low-pass, pixels. */
-const LOW_PASS = Math.sqrt(0.3);
+const BLUR = Math.sqrt(LOW_PASS);
 /** Distance from the picture, relative to its size, beyond which the projection's derivative stays constant. */
 const CLAMP = 0.15;
 
@@ -38,7 +39,7 @@ export function frustumOf({ rotation: r, translation: t }: Pose, camera: Intrins
    * The side along the row of the rotation at `row`, towards `sign`; the border is `pixels` from the principal point.
    */
   const side = (row: 0 | 3, sign: 1 | -1, pixels: number, size: number, focal: number): Side => {
-    const tangent = (pixels + FARTHEST * LOW_PASS + slack * size) / focal;
+    const tangent = (pixels + FARTHEST * BLUR + slack * size) / focal;
     // |jx| of a splat's longest axis is at most this times focal / depth.
     const steepest = (Math.max(pixels, size - pixels) + CLAMP * size) / focal;
     const [x, y, z] = [0, 1, 2].map((i) => sign * r[row + i] + tangent * r[6 + i]);

@@ -8,11 +8,12 @@ interface TrustedTypes {
   createPolicy(name: string, rules: { createScriptURL(url: string): string }): { createScriptURL(url: string): string };
 }
 
-const worker = new URL(workerAddress, import.meta.url);
 let trusted: string | undefined; // address for all workers of the page
 
 export function startWorker(): Worker {
-  trusted ??= trust(worker.origin === origin ? worker.href : bootstrap());
+  // Not against import.meta.url once more: bundlers put a file's address in its place, which browsers cannot load from.
+  const worker = new URL(workerAddress, document.baseURI);
+  trusted ??= trust(worker.origin === origin ? worker.href : bootstrap(worker.href));
   return new Worker(trusted, { type: "module" });
 }
 
@@ -20,8 +21,8 @@ export function startWorker(): Worker {
  * The address of a script of the page's own origin, which imports the worker's: browsers start no others. A sandboxed
  * frame has no origin, and Chromium treats a blob there as foreign.
  */
-function bootstrap(): string {
-  const script = `import ${JSON.stringify(worker.href)};`;
+function bootstrap(address: string): string {
+  const script = `import ${JSON.stringify(address)};`;
   if (origin === "null") return `data:text/javascript,${encodeURIComponent(script)}`;
   return URL.createObjectURL(new Blob([script], { type: "text/javascript" }));
 }
@@ -57,7 +58,7 @@ export function decompressor(): Promise<WebAssembly.Module> {
 async function compile(): Promise<WebAssembly.Module> {
   for (let tries = 1; ; tries++) {
     try {
-      const response = await fetch(new URL(decompressorAddress, import.meta.url));
+      const response = await fetch(decompressorAddress);
       if (!response.ok) throw new Error(`the server answered ${response.status}`);
       return await WebAssembly.compile(await response.arrayBuffer()); // works with any media type
     } catch (error) {

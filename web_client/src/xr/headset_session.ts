@@ -9,6 +9,7 @@ import type { Vec3 } from "../camera/vector";
 import type { HgsPlayer } from "../player/hgs_player";
 import type { SceneCanvas } from "../player/scene_canvas";
 import type { Shot } from "../renderer/shot";
+import { headSight } from "../scene/head_sight";
 import type { View } from "../scene/view";
 import { type Commands, Controls } from "./controls";
 import { type RoomPose, roomPose, scenePose } from "./eye_camera";
@@ -120,7 +121,8 @@ export class HeadsetSession {
     const [first, ...others] = pose.views.flatMap((view) => this.#eye(layer, view) ?? []);
     if (!first) return;
     const eyes: readonly [Eye, ...Eye[]] = [first, ...others];
-    const step = this.scene.step(now, [first.view, ...others.map(({ view }) => view)], this.#layer.splats);
+    const views = [first.view, ...others.map(({ view }) => view)] as const;
+    const step = this.scene.step(now, views, headSight(views), this.#layer.splats);
     const shots = (step?.shots ?? []).map((shot) => this.#shot(shot));
     this.#lookRound(head, shots, now);
     this.#draw(layer, eyes, shots, head, now);

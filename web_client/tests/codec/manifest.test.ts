@@ -46,6 +46,14 @@ describe("parseManifest", () => {
     expect(parseManifest({ ...document, captured_space: dome }).capturedSpace?.azimuth).toBeNull();
   });
 
+  it("takes cones as they stand, and refuses a start with the subject alone that is not true or false", () => {
+    const { captured_space, ...document } = json("manifest.json");
+    const read = (more: object) =>
+      parseManifest({ ...document, captured_space: { ...captured_space, ...more } }).capturedSpace;
+    expect(read({ cones: [[0, 0]], subject_only: true })).toMatchObject({ cones: [[0, 0]], subjectOnly: true });
+    expect(() => read({ subject_only: 1 })).toThrow("subject_only");
+  });
+
   it.each(json("invalid_manifest.json") as { at: (string | number)[]; value: unknown; field: string }[])(
     "names $field when it is $value",
     ({ at, value, field }) => {

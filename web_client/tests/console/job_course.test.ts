@@ -27,6 +27,7 @@ const news = (done: number, fields: Partial<Job> = {}): Job => ({
   waiting: null,
   scene: null,
   created: 0,
+  ends: null,
   updated: done / 10,
   ...fields,
 });
@@ -99,36 +100,5 @@ describe("JobCourse", () => {
       made.follow(news(done, { progress: { stage: "train", done, total: 20_000, figures: {} } }));
     expect(made.points.length).toBeLessThanOrEqual(4000);
     expect(made.points.at(-1)?.done).toBe(20_000);
-  });
-});
-
-describe("remaining", () => {
-  it("goes by the speed of the latter half", () => {
-    // 10 per second up to 200, then 5 per second
-    const made = course(point(0, { time: 0 }), point(200, { time: 20 }), point(400, { time: 60 }));
-    expect(made.remaining(news(400))).toBeCloseTo(120);
-  });
-
-  it("goes by the present attempt alone", () => {
-    const made = course(
-      point(100, { time: 0 }),
-      point(400, { time: 9000, attempt: 2 }),
-      point(600, { time: 9020, attempt: 2 }),
-    );
-    expect(made.remaining(news(600, { attempt: 2 }))).toBeCloseTo(40);
-  });
-
-  it.each<[string, JobPoint[], Job]>([
-    ["nothing was reported", [], news(0)],
-    ["little was done", [point(0), point(15)], news(15)],
-    ["it took no time yet", [point(0, { time: 0 }), point(500, { time: 1 })], news(500)],
-    ["it waits", [point(0), point(500)], news(500, { state: "queued" })],
-    [
-      "another stage runs",
-      [point(0), point(500)],
-      news(1, { progress: { stage: "encode", done: 1, total: 9, figures: {} } }),
-    ],
-  ])("cannot tell where %s", (_, points, job) => {
-    expect(course(...points).remaining(job)).toBeNull();
   });
 });

@@ -27,6 +27,7 @@ const job = (fields: Partial<Job>): Job => ({
   waiting: null,
   scene: null,
   created: 0,
+  ends: null,
   updated: 0,
   ...fields,
 });
@@ -62,8 +63,8 @@ describe("describeSound", () => {
 
 describe("stepOf", () => {
   it("goes through the steps in the order of the stages", () => {
-    const stages = ["initialise", "check", "masks", "points", "train", "encode", "publish"];
-    expect(stages.map((stage) => stepOf(job({ stage })))).toEqual([0, 0, 1, 2, 3, 4, 5]);
+    const stages = ["initialise", "check", "frames", "masks", "points", "train", "encode", "publish"];
+    expect(stages.map((stage) => stepOf(job({ stage })))).toEqual([0, 0, 1, 1, 2, 3, 4, 5]);
   });
 
   it("knows no step of a stage that is not there yet or not known", () => {
@@ -119,11 +120,11 @@ describe("describeQueue", () => {
 describe("describeRemaining", () => {
   it.each<[string, number | null]>([
     ["", null],
-    ["less than a minute left in this step", 12],
-    ["about 1 min left in this step", 61],
-    ["about 89 min left in this step", 89 * 60],
-    ["about 3 h left in this step", 3.2 * 3600],
-  ])("says %j", (text, seconds) => {
-    expect(describeRemaining(seconds)).toBe(text);
+    ["less than a minute left", 1012],
+    ["about 1 min left", 1061],
+    ["about 89 min left", 1000 + 89 * 60],
+    ["about 3 h left", 1000 + 3.2 * 3600],
+  ])("says %j", (text, ends) => {
+    expect(describeRemaining(job({ updated: 1000, ends }))).toBe(text);
   });
 });

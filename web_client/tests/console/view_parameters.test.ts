@@ -11,6 +11,7 @@ describe("parseViewParameters", () => {
       exact: false,
       antialiased: null,
       splatBudget: undefined,
+      subjectOnly: null,
       view: null,
       loopRange: null,
       bookmarks: [],
@@ -19,7 +20,7 @@ describe("parseViewParameters", () => {
 
   it("reads every parameter", () => {
     const parsed = parseViewParameters(
-      "?t=0.5&camera=cam00&paused=1&width=512&height=384&exact=1&antialiased=1&splats=5e4&view=1,2,3,4,5,6,0,-1,0&loop=0.5,1e1&marks=2,1",
+      "?t=0.5&camera=cam00&paused=1&width=512&height=384&exact=1&antialiased=1&splats=5e4&subject=0&view=1,2,3,4,5,6,0,-1,0&loop=0.5,1e1&marks=2,1",
     );
     expect(parsed).toEqual({
       time: 0.5,
@@ -29,6 +30,7 @@ describe("parseViewParameters", () => {
       exact: true,
       antialiased: true,
       splatBudget: 50_000,
+      subjectOnly: false,
       view: { position: [1, 2, 3], target: [4, 5, 6], up: [0, -1, 0] },
       loopRange: [0.5, 10],
       bookmarks: [2, 1],
@@ -53,6 +55,7 @@ describe("parseViewParameters", () => {
     "paused=yes",
     "antialiased=2",
     "splats=0.5",
+    "subject=2",
     "splats=all",
     "view=1,2,3",
     "view=1,2,3,4,5,6,7,8,x",

@@ -30,6 +30,5 @@ it("reads the scene that is there", () => {
   const player = new Player(shown as unknown as MountedScene);
   const { manifest, width, height, scene, statistics } = player;
   expect([manifest, width, height, scene, statistics]).toEqual([{ end: 2 }, 8, 6, shown.player, stats]);
-  expect([player.readPixels(), player.readPixels({ float: true })]).toEqual([PIXELS, PIXELS]);
-  expect(readPixels.mock.calls).toEqual([["canvas"], ["float"]]);
+  expect(player.readPixels()).toEqual(PIXELS);
 });

@@ -1,7 +1,7 @@
 import { afterEach, beforeEach, expect, it, vi } from "vitest";
 import { SceneCanvas } from "../../src/player/scene_canvas";
 import { LADDER } from "../../src/renderer/fineness";
-import type { View } from "../../src/scene/view";
+import { sightOf, type View } from "../../src/scene/view";
 import type { SceneSource, SourceEvents } from "../../src/source/scene_source";
 import { fakeCanvas } from "../canvas";
 import { twoSegments, WorkerDouble } from "../worker_double";
@@ -16,6 +16,7 @@ const view: View = {
   camera: { width: 8, height: 8, fx: 8, fy: 8, cx: 4, cy: 4, near: 0.1 },
 };
 
+const all = Number.POSITIVE_INFINITY;
 let frames: ((now: number) => void)[];
 let draw: ReturnType<typeof vi.fn>;
 let player: SceneCanvas;
@@ -73,7 +74,7 @@ it("gives whoever drives something to draw at every frame, however busy the devi
   const shots = [];
   for (let i = 0; i < 10; i++) {
     const asked = WorkerDouble.last.orders.length;
-    shots.push(player.step(16 * i, [view, view])?.shots ?? []);
+    shots.push(player.step(16 * i, [view, view], sightOf([view]), all)?.shots ?? []);
     if (WorkerDouble.last.orders.length > asked) WorkerDouble.last.order();
   }
   expect(shots.map((both) => both.length)).toEqual([0, ...Array(9).fill(2)]);
@@ -104,9 +105,9 @@ it("orders as many splats at most as the page, the quality and whoever drives al
   player.splatBudget = 70_000;
   browserFrame(32);
   player.drive(true);
-  player.step(48, [view, view], 60_000);
+  player.step(48, [view, view], sightOf([view]), 60_000);
   WorkerDouble.last.order();
-  player.step(64, [view, view]);
+  player.step(64, [view, view], sightOf([view]), all);
   expect(budgets()).toEqual([Infinity, 200_000, 70_000, 60_000, 70_000]);
 });
 

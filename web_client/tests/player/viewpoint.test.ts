@@ -1,5 +1,6 @@
 import { afterAll, beforeAll, expect, it, vi } from "vitest";
 import { Viewpoint } from "../../src/player/viewpoint";
+import type { CanvasRenderer } from "../../src/renderer/canvas_renderer";
 import { manifest } from "../scene";
 
 beforeAll(() => void vi.stubGlobal("cancelAnimationFrame", () => {}));
@@ -9,7 +10,8 @@ afterAll(() => void vi.unstubAllGlobals());
 function viewpoint(near: number, exact = false): Viewpoint {
   const canvas = { style: {} } as HTMLCanvasElement;
   const options = { camera: null, exact, size: { width: 8, height: 8 } };
-  const events = { changed: () => {}, depthAt: async () => null };
+  const scene = () => ({ renderer: {} as CanvasRenderer, shot: null });
+  const events = { changed: () => {}, scene };
   const made = new Viewpoint(canvas, options, events, new AbortController().signal);
   const ahead = [
     [1, 0, 0, 0],
@@ -38,4 +40,5 @@ it("fades towards a near plane that is farther than that, and comes along", () =
 
 it("fades nothing in an exact picture", () => {
   expect(viewpoint(1, true).view()?.clear).toBeUndefined();
+  expect(viewpoint(1, true).view()?.still).toBe(1);
 });

@@ -2,6 +2,7 @@ import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { rigOf } from "../../src/camera/magnification";
 import { parseManifest } from "../../src/codec/manifest";
 import type { SplatSink } from "../../src/renderer/splat_drawer";
+import { headSight } from "../../src/scene/head_sight";
 import { StreamedScene } from "../../src/scene/streamed_scene";
 import type { View } from "../../src/scene/view";
 import type { SceneSource, SourceEvents } from "../../src/source/scene_source";
@@ -67,18 +68,31 @@ describe("StreamedScene.step", () => {
     expect(scene.step(16, [view(0)])?.shots).toEqual([]);
     answer();
     expect(scene.step(32, [view(0)])).toEqual({
-      shots: [{ ...view(0), time: 0.5, antialiased: true, rig: rigOf(twoSegments()) }],
+      shots: [{ ...view(0), time: 0.5, antialiased: true, rig: rigOf(twoSegments()), still: 1 }],
       moving: false,
       settled: true,
     });
   });
 
+  it("leaves out what stands still by the manifest's choice, and by request before that", () => {
+    const space = { front: [1, 0, 0], azimuth: null, elevation: [-1, 1], distance: [1, 9] } as const;
+    scene.still = ({ pose }) => pose.translation[0];
+    source.manifest({ ...twoSegments(), capturedSpace: { ...space, subjectOnly: true } });
+    const still = () => scene.shot(view(0.25)).still;
+    expect([scene.subjectOnly, still()]).toEqual([true, 0]);
+    scene.subjectOnly = false;
+    expect([scene.subjectOnly, still()]).toEqual([false, 0.25]);
+    scene.subjectOnly = null;
+    expect([scene.subjectOnly, still()]).toEqual([true, 0]);
+  });
+
   it("asks for one order for both eyes and draws each from where it is", () => {
     begin();
-    scene.step(0, [view(-0.03), view(0.03)]);
+    const eyes = [view(-0.03), view(0.03)] as const;
+    scene.step(0, eyes, headSight(eyes));
     expect(orders()).toMatchObject([{ request: { depth: { kind: "radial", x: 0 } } }]);
     answer();
-    const shots = scene.step(16, [view(-0.03), view(0.03)])?.shots;
+    const shots = scene.step(16, eyes, headSight(eyes))?.shots;
     expect(shots?.map(({ pose }) => pose.translation[0])).toEqual([-0.03, 0.03]);
     expect(orders()).toHaveLength(1);
   });

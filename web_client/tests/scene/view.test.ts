@@ -1,6 +1,7 @@
 import { describe, expect, it } from "vitest";
 import { poseAt, project } from "../../src/camera/pinhole";
 import { apply, fromRows, type Mat3, rotateAbout, type Vec3 } from "../../src/camera/vector";
+import { headSight } from "../../src/scene/head_sight";
 import { sameView, sightOf, type View } from "../../src/scene/view";
 
 const HEAD: Vec3 = [0.3, -1.6, 2.5];
@@ -33,10 +34,12 @@ describe("sightOf", () => {
     expect(along).toBeCloseTo(apply(rotation, [2 - HEAD[0], 0.5 - HEAD[1], -1 - HEAD[2]])[2], 6);
     expect(depth.near).toBe(0.05);
   });
+});
 
+describe("headSight", () => {
   it("is the distance from the middle of a head's eyes, whichever way it looks", () => {
     for (const angle of [0, 0.4, 3]) {
-      const { kind, x, y, z } = sightOf(eyes(angle)).depth;
+      const { kind, x, y, z } = headSight(eyes(angle)).depth;
       expect(kind).toBe("radial");
       [x, y, z].forEach((value, i) => {
         expect(value).toBeCloseTo(HEAD[i], 6);
@@ -45,12 +48,12 @@ describe("sightOf", () => {
   });
 
   it("keeps splats all around a head, and those that a single view may show", () => {
-    expect(sightOf(eyes(0)).frustum).toBeNull();
+    expect(headSight(eyes(0)).frustum).toBeNull();
     expect(sightOf([eyes(0)[0]]).frustum).toHaveLength(4);
   });
 
   it("leaves out nothing that either eye could see", () => {
-    expect(sightOf(eyes(1)).depth.near).toBeCloseTo(0.05 - 0.032, 6);
+    expect(headSight(eyes(1)).depth.near).toBeCloseTo(0.05 - 0.032, 6);
   });
 });
 
@@ -67,6 +70,7 @@ describe("sameView", () => {
 
   it("is false where other things fade, and from another place", () => {
     expect(sameView(view, { ...view, clear: 2 })).toBe(false);
+    expect(sameView(view, { ...view, still: 0 })).toBe(false);
     expect(sameView(view, { ...view, pose: { ...view.pose, translation: [0, 0, 1] } })).toBe(false);
   });
 });

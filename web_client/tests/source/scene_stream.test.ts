@@ -354,6 +354,23 @@ describe("SceneStream", () => {
     expect(sockets.length).toBe(1);
   });
 
+  it("tells that the server restarts until it is back, however often nobody answers", () => {
+    const { socket, events } = connect();
+    socket.open();
+    socket.welcome();
+    socket.drop(1012);
+    expect(events.state).toHaveBeenLastCalledWith("restarting");
+    vi.advanceTimersByTime(2000);
+    sockets[1].drop(1006);
+    vi.advanceTimersByTime(2000);
+    expect(events.state).toHaveBeenLastCalledWith("restarting");
+    sockets[2].open();
+    sockets[2].welcome();
+    expect(events.state).toHaveBeenLastCalledWith("open");
+    sockets[2].drop(1006);
+    expect(events.state).toHaveBeenLastCalledWith("retrying");
+  });
+
   it("says so when the scene is another one after coming back", () => {
     const { socket, events } = connect();
     socket.open();

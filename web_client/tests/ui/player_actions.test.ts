@@ -2,6 +2,7 @@ import { beforeEach, describe, expect, it, vi } from "vitest";
 import type { FlyMode } from "../../src/camera/fly_mode";
 import type { HgsPlayer } from "../../src/player/hgs_player";
 import { longSeekStep, PlayerActions, pictureName, rateAfter, seekStep } from "../../src/ui/player_actions";
+import { manifest } from "../scene";
 
 it("goes five and ten seconds at a time, in a short scene a tenth and a fifth of it", () => {
   expect([seekStep(60), longSeekStep(60)]).toEqual([5, 10]);
@@ -19,7 +20,9 @@ it.each([
 });
 
 describe("a scene from 1 to 11 seconds", () => {
-  let player: { start: number; end: number; duration: number; currentTime: number; loopRange: unknown };
+  let player: { start: number; end: number; duration: number; currentTime: number; loopRange: unknown } & Partial<
+    Pick<HgsPlayer, "subjectOnly">
+  >;
   let actions: PlayerActions;
   const notify = vi.fn();
   const fail = vi.fn();
@@ -36,7 +39,7 @@ describe("a scene from 1 to 11 seconds", () => {
       notify,
       fail,
       changed: () => {},
-      link: ({ time }) => `https://a.example/?t=${time}`,
+      link: ({ time, subjectOnly }) => `https://a.example/?t=${time}&subject=${subjectOnly}`,
       toggleCrop: null,
     });
   });
@@ -82,11 +85,45 @@ describe("a scene from 1 to 11 seconds", () => {
     expect(notify).toHaveBeenLastCalledWith("No later bookmark");
   });
 
+  it("is shown without what stands still, if it has something else, too", () => {
+    const totals = { splatsStatic: 5, splatsDynamic: 0, bytesStatic: 0, bytesDynamic: 0 };
+    player.subjectOnly = false;
+    actions.toggleSubjectOnly();
+    Object.assign(player, { manifest: manifest({ totals }) });
+    actions.toggleSubjectOnly();
+    expect(player.subjectOnly).toBe(false);
+    Object.assign(player, { manifest: manifest({ totals: { ...totals, splatsDynamic: 1 } }) });
+    actions.toggleSubjectOnly();
+    expect(player.subjectOnly).toBe(true);
+    actions.toggleSubjectOnly();
+    expect(player.subjectOnly).toBe(false);
+  });
+
   it("shows the link where the browser does not let the page copy", async () => {
     vi.stubGlobal("navigator", { clipboard: undefined });
     Object.assign(player, { camera: { name: "side", view: null } });
     await actions.copyLink();
     expect(fail).toHaveBeenCalledWith(expect.stringContaining("https://a.example/?t=4"));
+    vi.unstubAllGlobals();
+  });
+
+  it("has what stands still in its link only where that is not the scene's own choice", async () => {
+    vi.stubGlobal("navigator", { clipboard: undefined });
+    Object.assign(player, { camera: { name: "side", view: null } });
+    const linked = async (own: boolean, shown: boolean) => {
+      const capturedSpace = { front: [1, 0, 0], azimuth: null, elevation: [-1, 1], distance: [1, 9] } as const;
+      Object.assign(player, {
+        subjectOnly: shown,
+        manifest: manifest({ capturedSpace: { ...capturedSpace, subjectOnly: own } }),
+      });
+      await actions.copyLink();
+      return /subject=(.*)/.exec(fail.mock.lastCall?.[0])?.[1];
+    };
+    expect([await linked(true, true), await linked(true, false), await linked(false, true)]).toEqual([
+      "null",
+      "false",
+      "true",
+    ]);
     vi.unstubAllGlobals();
   });
 });

@@ -9,6 +9,7 @@ const SHARED: SharedView = {
   view: { position: [0.1234567, -2, 3e-9], target: [1, 2, 3], up: [0, -1, 0] },
   loopRange: [0.5, 1.5],
   bookmarks: [0.25, 1],
+  subjectOnly: false,
 };
 
 it("is read back as it was shared, to seven digits", () => {
@@ -24,11 +25,20 @@ it("is read back as it was shared, to seven digits", () => {
     antialiased: true,
     size: null,
     exact: false,
+    subjectOnly: false,
   });
 });
 
 it("carries only what there is", () => {
-  const bare = { ...SHARED, paused: false, camera: null, view: null, loopRange: null, bookmarks: [] };
+  const bare = {
+    ...SHARED,
+    paused: false,
+    camera: null,
+    view: null,
+    loopRange: null,
+    bookmarks: [],
+    subjectOnly: null,
+  };
   expect(sharedLink("https://a.example/view/studio?paused=1&loop=1,2", bare)).toBe(
     "https://a.example/view/studio?t=1.234568",
   );

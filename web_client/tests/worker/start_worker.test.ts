@@ -1,7 +1,8 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { zstdWasm } from "../../plugins/zstd_wasm.ts";
 
-vi.mock("../../src/worker/worker.ts?worker&url", () => ({ default: "https://cdn.example/hgs/worker.js" }));
+const address = vi.hoisted(() => ({ default: "https://cdn.example/hgs/worker.js" }));
+vi.mock("../../src/worker/worker.ts?worker&url", () => address);
 
 afterEach(() => vi.unstubAllGlobals());
 
@@ -11,6 +12,7 @@ async function started(origin: string): Promise<{ addresses: string[]; blobs: Bl
   const addresses: string[] = [];
   const blobs: Blob[] = [];
   vi.stubGlobal("origin", origin);
+  vi.stubGlobal("document", { baseURI: origin === "null" ? "about:srcdoc" : `${origin}/page/` });
   vi.stubGlobal("Worker", function start(address: string | URL) {
     addresses.push(String(address));
   });
@@ -23,6 +25,12 @@ async function started(origin: string): Promise<{ addresses: string[]; blobs: Bl
 
 it("starts the script itself on a page of its origin", async () => {
   expect((await started("https://cdn.example")).addresses[0]).toBe("https://cdn.example/hgs/worker.js");
+});
+
+it("starts the script that a bundler names by a path", async () => {
+  address.default = "/static/worker.js";
+  expect((await started("https://page.example")).addresses[0]).toBe("https://page.example/static/worker.js");
+  address.default = "https://cdn.example/hgs/worker.js";
 });
 
 it("starts what its policy trusts where a page asks for that, and makes one policy for all players", async () => {

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import torch
 
+from hgs_core.base.cores import core_count
 from hgs_core.bench.raster.raster_sizes import Size
 from hgs_core.bench.raster.stage_times import kernel_times, training_times, using_threads
 from hgs_core.bench.raster.workload import Workload
@@ -53,10 +54,10 @@ def test_threads_are_the_callers_again_afterwards(monkeypatch: pytest.MonkeyPatc
     monkeypatch.delenv("HGS_THREADS", raising=False)
     torch_threads = torch.get_num_threads()
     with using_threads(3, "reference"):
-        assert library.thread_count() == torch.get_num_threads() == 3
+        assert core_count() == torch.get_num_threads() == 3
     assert "HGS_THREADS" not in os.environ
     assert torch.get_num_threads() == torch_threads
     monkeypatch.setenv("HGS_THREADS", "2")
     with using_threads(3, "cpu"):
-        assert (library.thread_count(), torch.get_num_threads()) == (3, 1)
+        assert (core_count(), torch.get_num_threads()) == (3, 1)
     assert os.environ["HGS_THREADS"] == "2"

@@ -189,7 +189,7 @@ def bad_width(meta: dict[str, Any]) -> None:
         (drop_camera, "frame 4 lists 1 camera and frame 0 lists 2.*17"),
         (move_camera, "camera 17: w2c changes at frame 3.*fixed cameras"),
         (nan_pose, "camera 3: w2c of frame 2 holds NaN"),
-        (mirror, "camera 3: its pose is a reflection"),
+        (mirror, "1 of 2 poses are reflections.*camera 3"),
         (skew, "camera 17: k has a skew"),
         (shorten, "k has 5 frames and fn has 6"),
         (text_pose, "not a matrix of numbers"),

@@ -1,8 +1,7 @@
-"""Scales are taken out of poses, and mirrors are refused with a cure that works."""
+"""Scales and mirrors are taken out of poses."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,7 @@ import numpy as np
 import pytest
 
 from hgs_core.base.errors import InputError
+from hgs_core.capture.cameras.corrected_poses import CorrectedCamera, write_corrections
 from hgs_core.capture.open import open_capture
 from tests.hgs_core.capture import layouts
 
@@ -69,19 +69,34 @@ def test_one_axis_that_is_scaled_is_refused(tmp_path: Path) -> None:
         open_capture(capture_of(tmp_path, stretch))
 
 
-def test_a_mirrored_world_is_refused_and_the_cure_cures(tmp_path: Path) -> None:
-    def mirror(number: int, pose: Any) -> Any:
-        pose[2] *= -1
-        return pose
+def mirror(number: int, pose: Any) -> Any:
+    pose[2] *= -1
+    return pose
 
+
+def test_a_mirrored_world_is_read_with_x_turned_and_said(tmp_path: Path) -> None:
+    found = open_capture(capture_of(tmp_path, mirror))
+    assert found.mirrored
+    assert any("left-handed world" in note for note in found.notes)
+    poses = [np.array([camera.world_to_camera for camera in cameras]) for cameras in (found.cameras, layouts.truth())]
+    moves = [own[1:] @ np.linalg.inv(own[0]) for own in poses]
+    np.testing.assert_allclose(moves[0], moves[1], atol=1e-9)
+
+
+def test_corrected_poses_of_a_mirrored_world_are_no_guess(tmp_path: Path) -> None:
     capture_of(tmp_path, mirror)
-    with pytest.raises(
-        InputError, match=r"frame 0: its pose is a reflection.*negate the third row of every camera-to-world"
-    ):
+    right = [CorrectedCamera(camera.name, camera.world_to_camera, camera.name) for camera in layouts.truth()]
+    write_corrections(tmp_path, "x was turned", right)
+    found = open_capture(tmp_path)
+    assert not found.mirrored
+    assert not any("left-handed world" in note for note in found.notes)
+    np.testing.assert_allclose(found.cameras[1].world_to_camera, right[1].world_to_camera, atol=1e-12)
+    write_corrections(tmp_path, "x was turned", right[:2])
+    with pytest.raises(InputError, match="does not correct all cameras"):
         open_capture(tmp_path)
-    meta = json.loads((tmp_path / "transforms.json").read_text())
-    for frame in meta["frames"]:
-        frame["transform_matrix"][2] = [-value for value in frame["transform_matrix"][2]]
-    (tmp_path / "transforms.json").write_text(json.dumps(meta))
-    for camera, true in zip(open_capture(tmp_path).cameras, layouts.truth(), strict=True):
-        np.testing.assert_allclose(camera.world_to_camera, true.world_to_camera, atol=1e-9)
+
+
+def test_a_rig_of_which_some_cameras_are_mirrored_is_refused_by_their_names(tmp_path: Path) -> None:
+    capture_of(tmp_path, lambda number, pose: mirror(number, pose) if number in (1, 2) else pose)
+    with pytest.raises(InputError, match=r"2 of 4 poses are reflections.*frame 1; .*frame 2; export all poses"):
+        open_capture(tmp_path)

@@ -71,7 +71,7 @@ def test_a_mirrored_axis_is_refused(photographs: Path, axis: int) -> None:
         meta["frames"][0]["transform_matrix"] = pose.tolist()
 
     edit(photographs, mirror)
-    with pytest.raises(InputError, match=r"frame 0.*reflection"):
+    with pytest.raises(InputError, match=r"1 of 3 poses are reflections.*frame 0"):
         open_capture(photographs)
 
 

@@ -36,7 +36,7 @@ def test_every_value_but_0_moves_in_every_kind_of_png(n3dv: Path, tmp_path: Path
     assert np.unique(np.argwhere(given)[:, 1]).tolist() == [8, 9, 10, 11]
 
 
-@pytest.mark.parametrize("suffix", [".jpg", ".JPEG", ".PNG"])
+@pytest.mark.parametrize("suffix", [".jpg", ".JPEG", ".PNG", ".jpg.png"])
 def test_masks_called_otherwise_are_read(n3dv: Path, tmp_path: Path, suffix: str) -> None:
     """JPEG keeps no value exactly: dark moves no more than black."""
     masks = write_masks(tmp_path / "masks" / "cam01")
@@ -44,7 +44,7 @@ def test_masks_called_otherwise_are_read(n3dv: Path, tmp_path: Path, suffix: str
     for path in sorted((masks / "cam01").iterdir()):
         with Image.open(path) as stored:
             values = np.where(np.asarray(stored) > 0, 255, 20).astype(np.uint8)
-        if suffix == ".PNG":
+        if suffix.lower().endswith(".png"):
             values[values == 20] = 0
         truth.append(values == 255)
         path.unlink()
@@ -133,10 +133,14 @@ def test_masks_of_straight_pictures_are_taken_as_they_are(tmp_path: Path) -> Non
 
 def test_a_mask_of_another_size_is_named(n3dv: Path, tmp_path: Path) -> None:
     masks = write_masks(tmp_path / "masks" / "cam00", size=(32, 24))
-    with pytest.raises(InputError, match=r"00000\.png: the picture is 32x24; camera cam00 needs 64x48"):
+    resize = r"mogrify -filter point -resize '64x48!' \S+masks/cam00/\*\.png \(ImageMagick\)$"
+    with pytest.raises(InputError, match=rf"00000\.png: the mask is 32x24; camera cam00 needs 64x48; {resize}"):
         open_capture(n3dv, masks=masks)
     Image.new("L", (64, 48)).save(masks / "cam00" / "00000.png")
-    with pytest.raises(InputError, match=r"00001\.png: the picture is 32x24"):
+    with pytest.raises(InputError, match=r"00001\.png: the mask is 32x24"):
+        open_capture(n3dv, masks=masks)
+    Image.new("L", (64, 64)).save(masks / "cam00" / "00001.png")
+    with pytest.raises(InputError, match=r"00001\.png: the mask is 64x64; .*; make masks of these pictures$"):
         open_capture(n3dv, masks=masks)
 
 

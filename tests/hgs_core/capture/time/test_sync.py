@@ -36,8 +36,9 @@ def test_a_camera_half_a_frame_late_is_seen_at_its_own_time(capture: Path, unit:
     assert "sync.json says when each camera began" in opened.notes
 
 
-def test_a_whole_number_of_frames_shifts_a_camera(capture: Path) -> None:
-    (capture / "sync.json").write_text('{"frames": {"cam02": 2}}')
+@pytest.mark.parametrize("name", ["cam02", "CAM02", " Cam02"])
+def test_a_whole_number_of_frames_shifts_a_camera(capture: Path, name: str) -> None:
+    (capture / "sync.json").write_text(f'{{"frames": {{"{name}": 2}}}}')
     opened = open_capture(capture)
     assert len(opened.times) == FRAMES - 2
     assert [grey(capture, camera, 0) for camera in (0, 1)] == [level(0, 2), level(1, 0)]

@@ -73,7 +73,9 @@ def test_steps_of_no_unit_are_refused_and_the_cure_cures(capture: Path, step: fl
     with pytest.raises(InputError, match=r'the footage has 30 frames per second: no unit fits; call .* "frame_time_s"'):
         open_capture(capture)
     (capture / "timestamps.csv").write_text("\n".join(["cam_id,frame_time_s", *rows]))
-    assert open_capture(capture).seconds == pytest.approx(step * (FRAMES - 1), rel=1e-6)
+    opened = open_capture(capture)
+    assert opened.seconds == pytest.approx(step * (FRAMES - 1), rel=1e-6)
+    assert any(note.endswith("frames per second and the footage 30: the table counts") for note in opened.notes)
 
 
 def test_a_table_that_differs_from_the_footage_counts_and_says_so(capture: Path) -> None:

@@ -11,9 +11,11 @@ import pytest
 
 from hgs_core.base.errors import InputError
 from hgs_core.codec import decode_scene, encode_scene, load_manifest, read_chunk
+from hgs_core.codec.encoder import encode as module
 from hgs_core.scene import DynamicSplats, HybridScene, Segment, evaluate, lifetime
 from hgs_core.scene.camera import Camera
 from tests.hgs_core.codec.scenes import SETTINGS, TIMES, encode, important, opaque_and_brief, scene, sigmoid, statics
+from tests.worker_threads import threads_of
 
 
 def test_a_still_scene_has_one_slice_and_no_dynamic_chunk(tmp_path: Path, cameras: list[Camera]) -> None:
@@ -95,6 +97,20 @@ def test_equal_scenes_give_equal_bytes(tmp_path: Path, cameras: list[Camera]) ->
         encode(scene(), tmp_path / name, cameras)
     manifests = [(tmp_path / name / "manifest.json").read_bytes() for name in "ab"]
     assert manifests[0] == manifests[1]
+
+
+@pytest.mark.parametrize("kind", ["static", "dynamic"])
+def test_chunks_are_encoded_on_all_cores_to_the_same_bytes(
+    tmp_path: Path, cameras: list[Camera], monkeypatch: pytest.MonkeyPatch, kind: str
+) -> None:
+    threads = threads_of(monkeypatch, module, f"encode_{kind}_chunk")
+    manifests = []
+    for count in ("1", "4"):
+        monkeypatch.setenv("HGS_THREADS", count)
+        manifests.append(encode(scene(), tmp_path / count, cameras))
+    assert manifests[0] == manifests[1]
+    assert threads
+    assert "MainThread" not in threads
 
 
 def test_equal_splats_do_not_make_equal_chunks(tmp_path: Path, cameras: list[Camera]) -> None:

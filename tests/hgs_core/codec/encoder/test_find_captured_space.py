@@ -13,6 +13,7 @@ from hgs_core.codec import load_manifest
 from hgs_core.codec.encoder.find_captured_space import find_captured_space
 from hgs_core.codec.format.captured_space import CapturedSpace
 from hgs_core.codec.format.seen_limits import SeenLimits
+from hgs_core.scene import DynamicSplats, HybridScene, Segment
 from hgs_core.scene.camera import Camera, looking_at
 from tests.hgs_core.codec.scenes import encode, scene
 
@@ -53,7 +54,8 @@ def test_an_arc_across_the_seam_of_the_angles_is_one_arc() -> None:
 
 @pytest.mark.parametrize("count", [4, 8, 30])
 def test_cameras_all_round_leave_the_azimuth_open(count: int) -> None:
-    space = find_captured_space([camera(360 * i / count + 0.1 * (i % 2), 10) for i in range(count)], CENTER, UP)
+    cameras = [camera(360 * i / count + 0.1 * (i % 2), 10) for i in range(count)]
+    space = find_captured_space(cameras, CENTER, UP, moves=False)
     assert space is not None
     # Four cameras leave a gap a tenth of a degree too wide.
     assert (space.azimuth is None) == (count > 4)
@@ -74,6 +76,37 @@ def test_the_margin_follows_the_step_between_cameras_within_limits(step: float, 
     assert space is not None
     assert space.azimuth == pytest.approx((1.5 * step + margin) * DEGREES)
     assert space.elevation == pytest.approx((-margin * DEGREES, margin * DEGREES))
+
+
+@pytest.mark.parametrize("count", [3, 4, 6])
+def test_few_cameras_around_have_a_cone_each_and_leave_the_azimuth_open(count: int) -> None:
+    azimuths = [360 * i / count for i in range(count)]
+    space = find_captured_space([camera(azimuth) for azimuth in azimuths], CENTER, UP)
+    assert space is not None
+    assert space.azimuth is None
+    expected = [(math.sin(a * DEGREES), 0, -math.cos(a * DEGREES)) for a in azimuths]
+    np.testing.assert_allclose(space.cones, expected, atol=1e-9)
+
+
+def test_few_cameras_on_one_side_have_a_cone_each_and_an_end() -> None:
+    space = find_captured_space([camera(azimuth) for azimuth in (-60, 0, 60)], CENTER, UP)
+    assert space is not None
+    assert len(space.cones) == 3
+    assert space.azimuth == pytest.approx(75 * DEGREES)
+
+
+@pytest.mark.parametrize("step", [10, 39])
+def test_cameras_near_each_other_have_no_cones(step: float) -> None:
+    space = find_captured_space([camera(step * i) for i in range(4)], CENTER, UP)
+    assert space is not None
+    assert space.cones == ()
+
+
+def test_where_nothing_moves_there_are_no_cones() -> None:
+    space = find_captured_space([camera(azimuth) for azimuth in (0, 120, 240)], CENTER, UP, moves=False)
+    assert space is not None
+    assert space.cones == ()
+    assert space.azimuth is not None
 
 
 def test_one_camera_has_a_space_around_it() -> None:
@@ -110,6 +143,18 @@ def test_the_manifest_tells_of_the_training_cameras_and_the_chunks_stay_as_they_
     assert manifest.captured_space == find_captured_space(cameras[:3], manifest.center, manifest.up)
     assert load_manifest(tmp_path / "with").captured_space == manifest.captured_space
     assert manifest.chunks == without.chunks
+
+
+def test_the_manifest_of_a_sparse_rig_has_its_cones_if_something_moves(tmp_path: Path) -> None:
+    rig = [camera(azimuth) for azimuth in (0, 120, 240)]
+    moving = encode(scene(), tmp_path / "moving", rig, trained=rig)
+    still = HybridScene(scene().static, (Segment(0.0, 1.0, DynamicSplats.empty()),))
+    standing = encode(still, tmp_path / "still", rig, trained=rig)
+    assert moving.captured_space is not None
+    assert len(moving.captured_space.cones) == 3
+    assert load_manifest(tmp_path / "moving").captured_space == moving.captured_space
+    assert standing.captured_space is not None
+    assert standing.captured_space.cones == ()
 
 
 def test_the_manifest_has_the_space_as_it_is_narrowed_and_the_chunks_stay_as_they_were(

@@ -8,7 +8,7 @@ import pytest
 from hgs_core.base.progress import silent
 from hgs_core.capture.open import open_capture
 from hgs_core.decompose.masks import motion_masks
-from hgs_core.train.control import RoundContext
+from hgs_core.train.control import RoundContext, births
 from hgs_core.train.control.births import BirthRound
 from hgs_core.train.schedule import Schedule
 from hgs_core.train.segment_cuts import cut_into_segments
@@ -16,6 +16,7 @@ from hgs_core.train.splat_sets import joined
 from hgs_core.train.training_views import TrainingViews
 from tests.hgs_core.train.conftest import CONFIG, state_of
 from tests.synthetic import EVENT_PLACE, event_splats, synthetic_scene, write_capture
+from tests.worker_threads import threads_of
 
 EVENT = range(4, 7)
 FRAMES = 10
@@ -55,3 +56,19 @@ def test_where_the_scene_has_it_already_nothing_is_born(context: RoundContext) -
     places = state.dynamic.motion[len(dynamic) :, 0].numpy()
     frames = np.rint(state.dynamic.time_centers[len(dynamic) :].numpy() * (FRAMES - 1)).astype(int)
     assert not ((np.linalg.norm(places - EVENT_PLACE, axis=1) < 0.35) & np.isin(frames, EVENT)).any()
+
+
+def test_cameras_are_looked_at_on_all_cores_to_the_same_bits(
+    context: RoundContext, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    threads = threads_of(monkeypatch, births, "picture_error")
+    born = []
+    for count in ("1", "4"):
+        monkeypatch.setenv("HGS_THREADS", count)
+        state = state_of(*synthetic_scene())
+        BirthRound(CONFIG).apply(state, context)
+        born.append(state.dynamic)
+    for name, values in born[0].items():
+        np.testing.assert_array_equal(values, getattr(born[1], name), err_msg=name)
+    assert threads
+    assert "MainThread" not in threads

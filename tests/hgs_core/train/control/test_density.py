@@ -13,8 +13,9 @@ from torch import Tensor
 from hgs_core.render.types import ScreenStatistics
 from hgs_core.scene import DynamicSplats, StaticSplats
 from hgs_core.train.control.density import DensityPlan, refine
+from hgs_core.train.density_config import DensityConfig
 from hgs_core.train.rmsprop import RmsProp
-from hgs_core.train.train_config import DensityConfig, LabelConfig, TrainConfig
+from hgs_core.train.train_config import LabelConfig, TrainConfig
 from tests.hgs_core.render.scenes import dynamic_splats, static_splats
 
 EXTENT = 100.0

@@ -6,18 +6,22 @@ import dataclasses
 from collections.abc import Callable
 
 import numpy as np
+import pytest
 import torch
 from torch import Tensor
 
 from hgs_core.points.sweep import depth_ranges
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
+from hgs_core.train.control import infill as module
 from hgs_core.train.control.infill import InfillRound, find_infill
-from hgs_core.train.train_config import DensityConfig, TrainConfig
+from hgs_core.train.density_config import DensityConfig
+from hgs_core.train.train_config import TrainConfig
 from hgs_core.train.training_views import TrainingView
 from tests.balls import BALL, CAMERAS, RADIUS, balls, pictures
 from tests.hgs_core.render.scenes import dynamic_splats
 from tests.hgs_core.train.conftest import CONFIG, state_of
 from tests.synthetic import synthetic_scene
+from tests.worker_threads import threads_of
 
 OTHER = np.array([-0.5, 0.0, 0.2])
 NOTHING: DynamicSplats[Tensor] = dynamic_splats(0, dtype=torch.float32)
@@ -74,3 +78,14 @@ def test_statics_are_added_where_still_pixels_are_wrong_within_the_budget(applie
     applied(InfillRound(config), state, config)
     assert 60 < len(state.static) <= 70
     assert state.history.infilled == len(state.static) - 60
+
+
+def test_cameras_are_looked_at_on_all_cores_to_the_same_bits(monkeypatch: pytest.MonkeyPatch) -> None:
+    threads = threads_of(monkeypatch, module, "picture_error")
+    found = []
+    for count in ("1", "4"):
+        monkeypatch.setenv("HGS_THREADS", count)
+        found.append(infill(balls(BALL)))
+    np.testing.assert_array_equal(*found)
+    assert threads
+    assert "MainThread" not in threads

@@ -9,9 +9,10 @@ import pytest
 
 from hgs_core.train.control import RoundContext
 from hgs_core.train.control.round import BudgetRound, is_after_share, is_one_of_ten
+from hgs_core.train.density_config import DensityConfig
 from hgs_core.train.schedule import Schedule
 from hgs_core.train.segment_cuts import CaptureSegment
-from hgs_core.train.train_config import DensityConfig, TrainConfig
+from hgs_core.train.train_config import TrainConfig
 from hgs_core.train.training_views import TrainingViews
 
 CONFIG = TrainConfig(iterations=200, density=DensityConfig(start=0.25, end=0.6, every=30))

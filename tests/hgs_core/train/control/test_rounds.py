@@ -5,8 +5,10 @@ from __future__ import annotations
 import pytest
 
 from hgs_core.base.config_fields import with_fields
+from hgs_core.points.backdrop import Backdrop
 from hgs_core.train.control import rounds
-from hgs_core.train.train_config import DensityConfig, TrainConfig
+from hgs_core.train.density_config import DensityConfig
+from hgs_core.train.train_config import TrainConfig
 
 CONFIG = TrainConfig(iterations=1000, density=DensityConfig(start=0.1, end=0.6, every=100))
 
@@ -66,3 +68,12 @@ def test_relocation_brings_noise_after_every_iteration_and_takes_the_place_of_de
     assert len(due(relocation)["noise"]) == 1000
     assert due(relocation)["density"] == due(CONFIG)["density"]
     assert type(rounds(relocation, masked=True, statics_learn=True)[5]).__name__ == "RelocationRound"
+
+
+def test_cameras_far_apart_have_rounds_that_ask_no_pictures_to_agree() -> None:
+    backdrop = Backdrop((0.0, 0.0, 0.0), (0.0, -1.0, 0.0), 1.0)
+    first = rounds(CONFIG, masked=True, statics_learn=True, backdrop=backdrop)
+    names = ["silhouettes", "pruning", "density", "hull", "backdrop fill", "backdrop"]
+    assert [control.name for control in first] == names
+    later = rounds(CONFIG, masked=True, statics_learn=False, backdrop=backdrop)
+    assert [control.name for control in later] == names[:4]

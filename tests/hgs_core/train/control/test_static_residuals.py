@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import numpy as np
+import pytest
 import torch
 from torch import Tensor
 
 from hgs_core.render import rasterize
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
+from hgs_core.train.control import static_residuals as module
 from hgs_core.train.control.static_residuals import temporal_residuals
 from hgs_core.train.train_config import TrainConfig
 from hgs_core.train.training_views import TrainingView
 from tests.synthetic import ring_of_cameras
+from tests.worker_threads import threads_of
 
 CAMERAS = ring_of_cameras(2, 64, 48)
 NOTHING = DynamicSplats.empty().map(torch.from_numpy)
@@ -61,3 +65,17 @@ def test_without_views_nothing_is_restless() -> None:
     static = two_splats()
     found = temporal_residuals(static, NOTHING, [], TrainConfig(), lambda picture, view: picture)
     assert found.tolist() == [0.0, 0.0]
+
+
+def test_cameras_are_judged_on_all_cores_to_the_same_bits(monkeypatch: pytest.MonkeyPatch) -> None:
+    threads = threads_of(monkeypatch, module, "contributions")
+    static = two_splats()
+    found = []
+    for count in ("1", "4"):
+        monkeypatch.setenv("HGS_THREADS", count)
+        samples = views(static, [0.1, 0.9, 0.4])
+        found.append(temporal_residuals(static, NOTHING, samples, TrainConfig(), lambda picture, _: picture))
+    np.testing.assert_array_equal(*found)
+    assert found[0].any()
+    assert threads
+    assert "MainThread" not in threads

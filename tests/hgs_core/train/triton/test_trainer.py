@@ -10,9 +10,10 @@ from hgs_core.base.progress import silent
 from hgs_core.capture.open import open_capture
 from hgs_core.points.point_cloud import PointCloud
 from hgs_core.scene import HybridScene
+from hgs_core.train.density_config import DensityConfig
 from hgs_core.train.initial_splats import initial_splats
 from hgs_core.train.segment_cuts import cut_into_segments
-from hgs_core.train.train_config import DensityConfig, LabelConfig, TrainConfig
+from hgs_core.train.train_config import LabelConfig, TrainConfig
 from hgs_core.train.trainer import Trainer
 from tests.synthetic import write_capture
 

@@ -1,0 +1,101 @@
+"""First points of cameras that stand far apart: movers on their visual hull, and the still room on its backdrop."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from hgs_core.decompose.background import sample_frames
+from hgs_core.points.backdrop import Backdrop, find_backdrop
+from hgs_core.points.hull_surface import grid_rays, grid_step, hull_surface
+from hgs_core.points.initial_points import PointSearch, Ranges
+from hgs_core.points.pictures_of_moments import seen_at, still_pictures
+from hgs_core.points.point_cloud import PointCloud
+from hgs_core.points.same_moment import same_moments
+from hgs_core.points.scene_flow import point_velocities
+
+__all__ = ["HullSearch"]
+
+_FLOOR_FRAMES = 12  # frames whose movers show where the floor is
+_FLOOR_RAYS = 2_000  # rays of each
+
+
+class HullSearch(PointSearch):
+    """A search that asks no two pictures of movers to look alike."""
+
+    @cached_property
+    def backdrop(self) -> Backdrop:
+        """The surface on which all that stands still is placed.
+
+        Raises:
+            InputError: a picture is missing or unreadable; so do the other methods.
+        """
+        parts = []
+        for frame in sample_frames(len(self.capture.times), _FLOOR_FRAMES):
+            for group in same_moments(self.capture, self.cameras, frame):
+                views, pictures, moving = seen_at(self.capture, group, self.masks)
+                parts.append(hull_surface(views, pictures, moving, moving, _FLOOR_RAYS).xyz)
+        views = [self.capture.cameras[index] for index in self.cameras]
+        return find_backdrop(views, self._still, np.concatenate(parts))
+
+    @cached_property
+    def _still(self) -> list[tuple[npt.NDArray[np.uint8], npt.NDArray[np.bool_]]]:
+        return still_pictures(self.capture, self.masks, self.cameras)
+
+    def features(self, frame: int) -> PointCloud:
+        """Return no points: features have no partners."""
+        return PointCloud.concatenate([])
+
+    def still(self, features: PointCloud, ranges: Ranges, generator: np.random.Generator) -> PointCloud:
+        """Return static points: those of the still pictures on the backdrop."""
+        views = [self.capture.cameras[index] for index in self.cameras]
+        pictures = self._still
+        step = grid_step([trusted for _, trusted in pictures], self.static_target)
+        parts = []
+        for camera, (picture, trusted) in zip(views, pictures, strict=True):
+            rows, columns, rays = grid_rays(camera, trusted, step)
+            depths = self.backdrop.depths(camera.position, rays)
+            xyz = camera.position + rays * depths[:, None]
+            parts.append(
+                PointCloud(
+                    xyz.astype(np.float32),
+                    (picture[rows, columns] / 255.0).astype(np.float32),
+                    np.full(len(xyz), self.capture.times[0], np.float32),
+                    np.zeros(len(xyz), np.float32),
+                    (step * depths / camera.fx).astype(np.float32),
+                    np.zeros((len(xyz), 3), np.float32),
+                    self.backdrop.nearest(xyz)[1].astype(np.float32),
+                )
+            )
+        return PointCloud.concatenate(parts)
+
+    def moving(
+        self,
+        frame: int,
+        count: int,
+        ranges: Ranges,
+        generator: np.random.Generator,
+        features: PointCloud | None = None,
+    ) -> PointCloud:
+        """Return at most `count` points of the surface of the hull at a frame."""
+        groups = same_moments(self.capture, self.cameras, frame)
+        parts = []
+        for group in groups:
+            views, pictures, moving = seen_at(self.capture, group, self.masks)
+            found = hull_surface(views, pictures, moving, moving, count // len(groups))
+            chosen = np.sort(generator.permutation(len(found.xyz))[: count // len(groups)])
+            xyz = found.xyz[chosen]
+            parts.append(
+                PointCloud(
+                    xyz,
+                    found.rgb[chosen],
+                    np.full(len(xyz), group.seconds, np.float32),
+                    np.ones(len(xyz), np.float32),
+                    found.spacing[chosen] * np.float32(np.sqrt(len(found.xyz) / max(1, len(xyz)))),
+                    point_velocities(self.capture, group, self.masks, xyz),
+                    found.towards[chosen],
+                )
+            )
+        return PointCloud.concatenate(parts)

@@ -1,0 +1,75 @@
+"""Statics that lie on a backdrop: thin discs in its surface, wherever their steps have pulled them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from hgs_core.points.backdrop import Backdrop
+from hgs_core.scene.rotations import matrices, product, unit_quaternions
+from hgs_core.scene.splats import StaticSplats
+from hgs_core.train.checkpoint import TrainState
+from hgs_core.train.control.backdrop_fill import FILLED_AT
+from hgs_core.train.control.round import RoundContext
+from hgs_core.train.train_config import TrainConfig
+
+__all__ = ["BackdropRound", "laid_on"]
+
+_EVERY = 10  # iterations
+_LONGEST = 0.02  # longest axis on the floor, share of the radius: wide discs cover the feet behind their middles
+_THICKNESS = 0.1  # shortest axis, most share of the middle one
+
+
+@dataclass(frozen=True)
+class BackdropRound:
+    """Lays the statics on the backdrop again."""
+
+    name: ClassVar[str] = "backdrop"
+    on_host: ClassVar[bool] = True
+    is_long: ClassVar[bool] = False
+    config: TrainConfig
+    backdrop: Backdrop
+
+    def due(self, iteration: int) -> bool:
+        """Return whether the round follows this iteration, counted from 0."""
+        return (iteration + 1) % _EVERY == 0
+
+    def apply(self, state: TrainState, context: RoundContext) -> None:
+        """Change the state in place; the optimiser's moments stay."""
+        filled = context.iteration + 1 >= FILLED_AT * self.config.iterations
+        laid = laid_on(self.backdrop, state.static, wide=filled)
+        state.static.means.copy_(laid.means)
+        state.static.quats.copy_(laid.quats)
+        state.static.log_scales.copy_(laid.log_scales)
+
+
+def laid_on(backdrop: Backdrop, static: StaticSplats[Tensor], *, wide: bool = False) -> StaticSplats[Tensor]:
+    """Return statics at the nearest places of the backdrop, with their shortest axes across it, and thin.
+
+    On the floor they are narrow, too, unless `wide`.
+    """
+    places, normals = backdrop.nearest(static.means.numpy().astype(np.float64))
+    sizes = static.log_scales.numpy().astype(np.float64)
+    if not wide:
+        on_floor = (places - np.array(backdrop.centre)) @ np.array(backdrop.up) < 1e-6 * backdrop.radius
+        sizes[on_floor] = np.minimum(sizes[on_floor], math.log(_LONGEST * backdrop.radius))
+    quats = unit_quaternions(static.quats.numpy())
+    rows, thin = np.arange(len(sizes)), sizes.argmin(1)
+    axis = matrices(quats)[rows, :, thin]
+    axis = np.where((axis * normals).sum(1, keepdims=True) < 0, -axis, axis)
+    turn = np.concatenate([1 + (axis * normals).sum(1, keepdims=True), np.cross(axis, normals)], 1)
+    quats = product(unit_quaternions(turn), quats)
+    limit = np.sort(sizes, axis=1)[:, 1] + math.log(_THICKNESS)
+    sizes[rows, thin] = np.minimum(sizes[rows, thin], limit)
+    return StaticSplats(
+        torch.from_numpy(places.astype(np.float32)),
+        torch.from_numpy(sizes.astype(np.float32)),
+        torch.from_numpy(quats.astype(np.float32)),
+        static.opacity_logits,
+        static.rgb,
+    )

@@ -1,0 +1,51 @@
+"""A run of three cameras around a walking body, from its pictures to the scene."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hgs_core.base.progress import silent
+from hgs_core.points.backdrop import load_backdrop
+from hgs_core.points.hull_surface import soft_masks, views_of_movers
+from hgs_core.points.kept_points import BACKDROP
+from hgs_core.runs.run_config import RunConfig
+from hgs_core.runs.run_folder import RunFolder
+from hgs_core.runs.stages import create_run, initialise, train
+from hgs_core.scene.files import load_scene
+from hgs_core.scene.temporal import evaluate
+from tests.walking_body import CAMERAS, body, mask_of, write_walk
+
+FRAMES = 6
+CONFIG = RunConfig.for_preset(
+    "preview",
+    capture={"trust_poses": True},
+    points={"static": 800, "dynamic": 600},
+    train={"iterations": 300, "density": {"max_static": 1500, "max_dynamic": 800}},
+)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> RunFolder:
+    place = tmp_path_factory.mktemp("far_apart")
+    write_walk(place / "capture", FRAMES)
+    create_run(place / "run", place / "capture", CONFIG)
+    initialise(place / "run", silent)
+    train(place / "run", silent)
+    return RunFolder(place / "run")
+
+
+def test_statics_lie_on_the_backdrop(folder: RunFolder) -> None:
+    backdrop = load_backdrop(folder.points / BACKDROP)
+    assert backdrop is not None
+    static = load_scene(folder.trained).static
+    places, _ = backdrop.nearest(static.means.astype(np.float64))
+    assert np.abs(static.means - places).max() < 0.02 * backdrop.radius
+
+
+def test_movers_lie_in_the_body(folder: RunFolder) -> None:
+    (segment,) = load_scene(folder.trained).segments
+    xyz, _, opacity = evaluate(segment.dynamic, 0.4)
+    masks = soft_masks([mask_of(camera, body(2 / (3 * FRAMES))) for camera in CAMERAS])
+    inside = views_of_movers(CAMERAS, masks, xyz) > 0
+    assert opacity[inside].sum() > 0.9 * opacity.sum()

@@ -1,0 +1,61 @@
+"""Statics that were pulled off their backdrop lie on it again."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import torch
+
+from hgs_core.points.backdrop import Backdrop
+from hgs_core.scene.rotations import matrices
+from hgs_core.train.control.backdrop_round import BackdropRound, laid_on
+from hgs_core.train.train_config import TrainConfig
+from tests.hgs_core.train.conftest import Apply, state_of
+from tests.synthetic import synthetic_scene
+
+BACKDROP = Backdrop((0.0, 1.0, 0.0), (0.0, -1.0, 0.0), 3.0)
+
+
+def test_they_lie_in_the_surface_and_are_thin() -> None:
+    static, _ = synthetic_scene()
+    laid = laid_on(BACKDROP, static)
+    places, normals = BACKDROP.nearest(laid.means.numpy().astype(np.float64))
+    np.testing.assert_allclose(laid.means.numpy(), places, atol=1e-5)
+    sizes = laid.log_scales.numpy()
+    rows, thin = np.arange(len(sizes)), sizes.argmin(1)
+    axes = matrices(laid.quats.numpy().astype(np.float64))[rows, :, thin]
+    np.testing.assert_allclose(np.abs((axes * normals).sum(1)), 1.0, atol=1e-5)
+    assert (sizes[rows, thin] <= np.sort(sizes, 1)[:, 1] + math.log(0.1) + 1e-6).all()
+    assert torch.equal(laid.rgb, static.rgb)
+
+
+def test_discs_of_the_floor_are_narrow_so_that_feet_behind_their_middles_show() -> None:
+    static, _ = synthetic_scene()
+    static.log_scales[:] = math.log(0.5)
+    places, _ = BACKDROP.nearest(static.means.numpy().astype(np.float64))
+    on_floor = np.abs(places[:, 1] - 1.0) < 1e-6
+    assert 0 < on_floor.sum() < len(on_floor)
+    longest = laid_on(BACKDROP, static).log_scales.numpy().max(1)
+    np.testing.assert_allclose(longest[on_floor], math.log(0.06), rtol=1e-5)
+    np.testing.assert_allclose(longest[~on_floor], math.log(0.5), rtol=1e-5)
+    wide = laid_on(BACKDROP, static, wide=True).log_scales.numpy().max(1)
+    np.testing.assert_allclose(wide, math.log(0.5), rtol=1e-5)
+
+
+def test_what_lies_on_it_stays_as_it_is() -> None:
+    static, _ = synthetic_scene()
+    once = laid_on(BACKDROP, static)
+    twice = laid_on(BACKDROP, once)
+    for (name, one), (_, two) in zip(once.items(), twice.items(), strict=True):
+        torch.testing.assert_close(one, two, atol=1e-5, rtol=0, msg=name)
+
+
+def test_a_round_lays_them_down_every_ten_iterations(applied: Apply) -> None:
+    static, dynamic = synthetic_scene()
+    state = state_of(static.map(torch.clone), dynamic.map(torch.clone))
+    control = BackdropRound(TrainConfig(iterations=100), BACKDROP)
+    assert [i for i in range(25) if control.due(i)] == [9, 19]
+    applied(control, state)
+    assert torch.equal(state.static.means, laid_on(BACKDROP, static).means)
+    assert torch.equal(state.dynamic.motion, dynamic.motion)
