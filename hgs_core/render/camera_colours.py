@@ -19,7 +19,7 @@ from hgs_core.render.lens_falloff import falloff_gain
 from hgs_core.render.types import WHOLE, Window
 from hgs_core.scene.camera import Camera
 
-__all__ = ["camera_colours"]
+__all__ = ["camera_colours", "camera_colours_pulled"]
 
 
 def camera_colours(
@@ -47,9 +47,40 @@ def camera_colours(
         if array.shape != shape:
             raise InputError(name, f"shape {tuple(array.shape)}", f"give one of {shape}")
     if picture.device.type == "cpu" and picture.dtype == torch.float32 and library.available():
-        lens = LensAxis(camera.cx - columns.start, camera.cy - rows.start, math.hypot(camera.width, camera.height) / 2)
+        lens = _lens_axis(camera, window)
         return _NativeColours.apply(picture, affine, falloff, lens)  # type: ignore[no-any-return,no-untyped-call]
     return colour_affine(picture if falloff is None else picture * falloff_gain(falloff, camera)[window], affine)
+
+
+def camera_colours_pulled(
+    gradient: Tensor,
+    picture: Tensor,
+    affine: Tensor,
+    falloff: Tensor | None,
+    camera: Camera,
+    window: Window = WHOLE,
+) -> Tensor:
+    """Return the gradient [3, h, w] of a loss towards `picture`; `gradient` is the one towards `camera_colours` of it.
+
+    The other arguments are those of `camera_colours`. Nothing takes part in autograd.
+    """
+    if picture.device.type == "cpu" and picture.dtype == torch.float32 and library.available():
+        arguments = [
+            array.detach().contiguous().numpy() for array in (gradient, picture, affine, _coefficients(falloff))
+        ]
+        return torch.from_numpy(camera_shown_backward(*arguments, _lens_axis(camera, window)).picture)
+    own = picture.clone().requires_grad_(True)
+    (found,) = torch.autograd.grad(camera_colours(own, affine, falloff, camera, window), own, gradient)
+    return found
+
+
+def _lens_axis(camera: Camera, window: Window) -> LensAxis:
+    rows, columns = (range(side)[part] for side, part in zip((camera.height, camera.width), window, strict=True))
+    return LensAxis(camera.cx - columns.start, camera.cy - rows.start, math.hypot(camera.width, camera.height) / 2)
+
+
+def _coefficients(falloff: Tensor | None) -> Tensor:
+    return torch.zeros(2) if falloff is None else falloff
 
 
 class _NativeColours(torch.autograd.Function):
@@ -57,8 +88,7 @@ class _NativeColours(torch.autograd.Function):
 
     @staticmethod
     def forward(ctx: Any, picture: Tensor, affine: Tensor, falloff: Tensor | None, lens: LensAxis) -> Tensor:
-        coefficients = torch.zeros(2) if falloff is None else falloff
-        arguments = [array.detach().contiguous().numpy() for array in (picture, affine, coefficients)]
+        arguments = [array.detach().contiguous().numpy() for array in (picture, affine, _coefficients(falloff))]
         ctx.arguments = (*arguments, lens)
         return torch.from_numpy(camera_shown(*ctx.arguments))
 

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import torch
 from torch import Tensor
 
-from hgs_core.render.camera_colours import camera_colours
+from hgs_core.render.camera_colours import camera_colours, camera_colours_pulled
 from hgs_core.render.colour_affine import identity_affine
 from hgs_core.render.types import WHOLE, Window
 from hgs_core.scene.camera import Camera
@@ -31,6 +31,10 @@ class CameraColours(NamedTuple):
     def shown(self, picture: Tensor, camera: Camera, window: Window = WHOLE) -> Tensor:
         """Return a window [3, h, w] of a picture of the scene as that camera, at the picture's size, would show it."""
         return camera_colours(picture, self.affine, self.falloff, camera, window)
+
+    def pulled(self, gradient: Tensor, picture: Tensor, camera: Camera, window: Window = WHOLE) -> Tensor:
+        """Return the gradient [3, h, w] towards a window of a picture from the one towards the camera's picture of it."""
+        return camera_colours_pulled(gradient, picture, self.affine, self.falloff, camera, window)
 
     def gradient(self) -> CameraColours:
         """Return the gradients of the tensors, which have some."""

@@ -12,7 +12,7 @@ from hgs_core.native import library
 from hgs_core.native.loss import l1_dssim
 from hgs_core.render.triton.device import available
 
-__all__ = ["photometric_loss"]
+__all__ = ["photometric_gradient", "photometric_loss"]
 
 
 def photometric_loss(image: Tensor, target: Tensor, dssim: float) -> Tensor:
@@ -27,6 +27,16 @@ def photometric_loss(image: Tensor, target: Tensor, dssim: float) -> Tensor:
         return _TritonLoss.apply(image, target, dssim)  # type: ignore[no-any-return,no-untyped-call]
     similarity = ssim_map(image, target)[:, ::3, ::2].mean()
     return (1 - dssim) * (image - target).abs().mean() + dssim * (1 - similarity)
+
+
+def photometric_gradient(image: Tensor, target: Tensor, dssim: float) -> Tensor:
+    """Return the gradient [3, H, W] of `photometric_loss` towards `image`; neither picture takes part in autograd."""
+    if image.device.type == "cpu" and image.dtype == torch.float32 and library.available():
+        _, gradient = l1_dssim(image.contiguous().numpy(), target.contiguous().numpy(), dssim_weight=dssim)
+        return torch.from_numpy(gradient)
+    own = image.clone().requires_grad_(True)
+    (found,) = torch.autograd.grad(photometric_loss(own, target, dssim), own)
+    return found
 
 
 class _NativeLoss(torch.autograd.Function):

@@ -14,7 +14,7 @@ from hgs_core.render.tiles import pixels_to_tiles, tiles_to_pixels
 from hgs_core.render.types import Window
 from hgs_core.scene.camera import Camera
 from hgs_core.train.colour_correction import CameraColours
-from hgs_core.train.loss import photometric_loss
+from hgs_core.train.loss import photometric_gradient
 
 __all__ = ["MovingTiles", "loss_gradient", "tiles_of"]
 
@@ -114,9 +114,10 @@ def loss_gradient(
         (rows, columns), (down, across) = part, moving.within(part)
         wanted = target[:, down, across].contiguous()
         drawn = moving.drawn(part).to(picture.device)
-        own = picture[:, rows, columns].clone().requires_grad_(True)
+        own = picture[:, rows, columns].contiguous()
         shown = own if colours is None else colours.shown(own, camera, part)
-        loss = photometric_loss(torch.where(drawn, shown, wanted), wanted, dssim)
-        (gradient,) = torch.autograd.grad(loss, own)
+        gradient = photometric_gradient(torch.where(drawn, shown, wanted), wanted, dssim).mul_(drawn)
+        if colours is not None:
+            gradient = colours.pulled(gradient, own, camera, part)
         torch.mul(gradient, wanted[0].numel() / picture[0].numel(), out=whole[:, rows, columns])
     return whole

@@ -8,7 +8,7 @@ import torch
 from torch import Tensor
 
 from hgs_core.base.errors import InputError
-from hgs_core.render.camera_colours import camera_colours
+from hgs_core.render.camera_colours import camera_colours, camera_colours_pulled
 from hgs_core.scene.camera import Camera
 from tests.tolerances import assert_close
 
@@ -71,3 +71,16 @@ def test_other_shapes_are_refused(
         camera_colours(
             torch.zeros(picture, dtype=kind), torch.zeros(affine, dtype=kind), torch.zeros(falloff, dtype=kind), CAMERA
         )
+
+
+@pytest.mark.parametrize("kind", [torch.float32, torch.float64])
+@pytest.mark.parametrize("falloff", [True, False])
+def test_a_gradient_is_pulled_back_without_autograd_as_with_it(kind: torch.dtype, falloff: bool) -> None:
+    picture, affine, gradient = (random(*shape).to(kind) for shape in ((3, 9, 13), (3, 4), (3, 9, 13)))
+    window, coefficients = (slice(3, 12), slice(5, 18)), FALLOFF.to(kind) if falloff else None
+    own = picture.clone().requires_grad_(True)
+    camera_colours(own, affine, coefficients, CAMERA, window).backward(gradient)  # type: ignore[no-untyped-call]
+    pulled = camera_colours_pulled(gradient, picture, affine, coefficients, CAMERA, window)
+    assert not pulled.requires_grad
+    assert own.grad is not None
+    assert torch.equal(pulled, own.grad)

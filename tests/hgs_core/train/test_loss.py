@@ -36,3 +36,16 @@ def test_float64_keeps_its_digits() -> None:
     assert value.dtype == torch.float64
     true_value, _ = reference(image.numpy(), target.numpy(), 0.2)
     assert float(value) == pytest.approx(float(true_value), rel=1e-6)
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+def test_the_gradient_alone_is_that_of_the_value(compiled: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    if not compiled:
+        monkeypatch.setattr(loss.library, "available", lambda: False)
+    image, target = (torch.from_numpy(picture) for picture in pictures(29, 23))
+    drawn = image.clone().requires_grad_()
+    loss.photometric_loss(drawn, target, 0.2).backward()  # type: ignore[no-untyped-call]
+    found = loss.photometric_gradient(image, target, 0.2)
+    assert not found.requires_grad
+    assert drawn.grad is not None
+    assert torch.equal(found, drawn.grad)
