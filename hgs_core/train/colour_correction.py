@@ -33,7 +33,7 @@ class CameraColours(NamedTuple):
         return camera_colours(picture, self.affine, self.falloff, camera, window)
 
     def pulled(self, gradient: Tensor, picture: Tensor, camera: Camera, window: Window = WHOLE) -> Tensor:
-        """Return the gradient [3, h, w] towards a window of a picture from the one towards the camera's picture of it."""
+        """Return a loss's gradient [3, h, w] towards a window of a picture from that towards the shown one."""
         return camera_colours_pulled(gradient, picture, self.affine, self.falloff, camera, window)
 
     def gradient(self) -> CameraColours:
