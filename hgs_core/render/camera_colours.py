@@ -65,10 +65,9 @@ def camera_colours_pulled(
     The other arguments are those of `camera_colours`. Nothing takes part in autograd.
     """
     if picture.device.type == "cpu" and picture.dtype == torch.float32 and library.available():
-        arguments = [
-            array.detach().contiguous().numpy() for array in (gradient, picture, affine, _coefficients(falloff))
-        ]
-        return torch.from_numpy(camera_shown_backward(*arguments, _lens_axis(camera, window)).picture)
+        given = (gradient, picture, affine, _coefficients(falloff))
+        towards, shown, matrix, gain = (array.detach().contiguous().numpy() for array in given)
+        return torch.from_numpy(camera_shown_backward(towards, shown, matrix, gain, _lens_axis(camera, window)).picture)
     own = picture.clone().requires_grad_(True)
     (found,) = torch.autograd.grad(camera_colours(own, affine, falloff, camera, window), own, gradient)
     return found
