@@ -35,6 +35,7 @@ from types import FrameType, ModuleType
 from typing import IO, Any, NoReturn
 
 from hgs_core.base.errors import InputError
+from hgs_core.base.heap import share_heap
 from hgs_core.base.progress import Progress, ProgressCallback, StageStopped, stop_if_interruptible
 from hgs_core.runs.run_folder import RunFolder
 from jobs.home.home import Home
@@ -65,6 +66,8 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("stage", choices=(*STAGES, HELP, SHOW))
     parser.add_argument("run", type=Path)
     options = parser.parse_args(arguments)
+    if arguments is None:  # a process of its own
+        share_heap()
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(name)s: %(message)s")
 
     stop = threading.Event()

@@ -49,8 +49,8 @@ class Measurements(NamedTuple):
 
 _ANEW, _KEEP, _REUSE = 0, 1, 2  # HGS_STATICS_ of src/hgs_native.h
 
-# Workspaces that no rendering uses: handing them on keeps their buffers, and the caches, warm. A deque needs no lock,
-# which a fork could leave locked.
+# Workspaces that no rendering uses, at most one per core: handing them on keeps their buffers, and the caches, warm.
+# More would keep the tens of MiB of each for good. A deque needs no lock, which a fork could leave locked.
 _free_workspaces: deque[int] = deque()
 
 
@@ -183,8 +183,11 @@ class Raster:
     def release(self) -> None:
         """Let the next rendering use the workspace; nothing but the pictures is left afterwards."""
         if self._workspace is not None:
-            _free_workspaces.append(self._workspace)
-            self._workspace = None
+            workspace, self._workspace = self._workspace, None
+            if len(_free_workspaces) < core_count():
+                _free_workspaces.append(workspace)
+            else:
+                load().hgs_workspace_destroy(ctypes.c_void_p(workspace))
 
     def backward(
         self,

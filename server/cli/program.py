@@ -10,6 +10,7 @@ import sys
 from collections.abc import Sequence
 
 from hgs_core.base.errors import InputError
+from hgs_core.base.heap import share_heap
 from hgs_core.base.own_modules import guard_imports
 from hgs_core.base.system_errors import THE_OUTPUT
 from hgs_core.base.version import software_version
@@ -90,6 +91,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = list(sys.argv[1:] if arguments is None else arguments)
     if arguments is None:  # a process of its own
         guard_imports()
+        share_heap()
     try:
         with terminating():
             _refuse_nul(given)

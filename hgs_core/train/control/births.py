@@ -7,7 +7,6 @@ missed there, has none. So the scene is drawn at many moments, and moving pixels
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import ClassVar
@@ -15,12 +14,11 @@ from typing import ClassVar
 import numpy as np
 import numpy.typing as npt
 import torch
-from torch import Tensor
 
 from hgs_core.base.cores import core_pool
 from hgs_core.points.sweep import depth_ranges
-from hgs_core.render.fixed_view import FixedView
-from hgs_core.scene.splats import DynamicSplats
+from hgs_core.render.rasterize import rasterize
+from hgs_core.scene.camera import Camera
 from hgs_core.train.checkpoint import TrainState
 from hgs_core.train.control.ghosts import visible_where_still, with_lives_shortened
 from hgs_core.train.control.missing_points import MissingPoints, chosen_points, find_missing_points, picture_error
@@ -63,15 +61,11 @@ class BirthRound:
         most = max(0, context.schedule.splat_budgets[1] - len(state.dynamic)) // 2
         known = torch.cat([state.static.means, state.dynamic.motion[:, 0]]).numpy()
         ranges = depth_ranges(views.cameras, known)
-        fixed = [
-            FixedView(state.static, camera, antialiased=config.antialiased, backend=config.backend)
-            for camera in views.cameras
-        ]
         missing, moments, ghosts = [], [], []
         for instant in views.instants(instants, generator):
-            with core_pool() as pool:
-                errors = list(pool.map(partial(_error, fixed, state.dynamic, instant), range(len(instant.places))))
             cameras = [views.cameras[place] for place in instant.places]
+            with core_pool() as pool:
+                errors = list(pool.map(partial(_error, state, config, instant), cameras, instant.pictures))
             moments.append(instant.moment)
             ghosts.append(visible_where_still(state.dynamic, cameras, instant.moment, instant.moving, errors))
             if most == 0:
@@ -94,8 +88,19 @@ class BirthRound:
 
 
 def _error(
-    fixed: Sequence[FixedView], dynamic: DynamicSplats[Tensor], instant: Instant, number: int
+    state: TrainState, config: TrainConfig, instant: Instant, camera: Camera, picture: npt.NDArray[np.uint8]
 ) -> npt.NDArray[np.float32]:
-    """Return the error [H, W] of the instant's picture of that number, levels of 255."""
-    drawn = fixed[instant.places[number]].frame(dynamic, instant.moment).rgb
-    return picture_error(drawn, instant.pictures[number])
+    """Return the error [H, W] of the instant's picture of a camera, levels of 255.
+
+    Nothing is kept for the camera's next picture: the projected statics of a rig are most of the memory of a training.
+    """
+    drawn = rasterize(
+        state.static,
+        state.dynamic,
+        camera,
+        instant.moment,
+        backend=config.backend,
+        gradients="none",
+        antialiased=config.antialiased,
+    ).rgb
+    return picture_error(drawn, picture)

@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 import threading
+from collections import deque
 from pathlib import Path
 from typing import Any
 
@@ -104,6 +105,16 @@ def test_a_workspace_is_used_again_after_a_larger_picture() -> None:
     small = everything(2, camera(40, 24))
     everything(2, camera(200, 100))
     assert everything(2, camera(40, 24)) == small
+
+
+def test_no_more_workspaces_are_kept_than_cores(monkeypatch: pytest.MonkeyPatch) -> None:
+    kept: deque[int] = deque()
+    monkeypatch.setattr("hgs_core.native.raster._free_workspaces", kept)
+    monkeypatch.setenv("HGS_THREADS", "2")
+    drawn = [Raster(*scene(5, 5), camera(40, 24), threads=1) for _ in range(4)]
+    for one in drawn:
+        one.release()
+    assert len(kept) == 2
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
