@@ -119,6 +119,7 @@ def train_capture(
         "seconds": sum(one.seconds for one in figures),
         "iterations": config.iterations + (len(segments) - 1) * config.later.iterations,
         "lens_falloff": _mean_falloff(key),
+        "colour_map": None if key.correction is None else key.correction.affine.quantile(0.5, dim=0).tolist(),
         **key.figures(),
         "dynamic": float(sum(one.dynamic for one in figures)),
         "history": key.history.curves,

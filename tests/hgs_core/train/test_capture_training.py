@@ -65,6 +65,19 @@ def test_segments_share_the_statics_and_follow_each_other(capture: Capture, tmp_
 
 
 @pytest.mark.parametrize("learned", [True, False])
+def test_the_summary_has_the_median_colour_map_of_the_cameras(capture: Capture, tmp_path: Path, learned: bool) -> None:
+    path = tmp_path / "0.pt"
+    config = dataclasses.replace(CONFIG, segment_frames=6, colour_correction=learned)
+    summary = train_capture(inputs(capture, config), lambda number: path, silent)
+    correction = load_state(path).correction
+    if learned:
+        assert correction is not None
+        assert np.ravel(summary["colour_map"]) == pytest.approx(np.median(correction.affine.numpy(), axis=0).ravel())
+    else:
+        assert summary["colour_map"] is None
+
+
+@pytest.mark.parametrize("learned", [True, False])
 def test_the_summary_has_the_mean_falloff_of_the_lenses(capture: Capture, tmp_path: Path, learned: bool) -> None:
     path = tmp_path / "0.pt"
     config = dataclasses.replace(CONFIG, segment_frames=6, lens_falloff=learned)
