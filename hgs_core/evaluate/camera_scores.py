@@ -23,7 +23,7 @@ REGIONS = {"psnr_dynamic": True, "psnr_static": False}
 Scores = dict[str, float | None]
 """A score by the name of its metric; None where it was not measured or is not finite, as JSON needs it."""
 
-_MEANS = (*PICTURE_METRICS, *(f"{name}_rig" for name in RIG_METRICS))  # of frames
+_MEANS = (*PICTURE_METRICS, *(f"{name}_rig" for name in RIG_METRICS))  # means over frames
 _POOLED = {**REGIONS, "psnr_dynamic_rig": True}
 _PIXEL_MEANS = (*REGION_METRICS, *(f"{name}_rig" for name in REGION_METRICS))
 _SERIES = (*_MEANS, *_POOLED, *_PIXEL_MEANS)

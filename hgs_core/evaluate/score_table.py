@@ -37,7 +37,7 @@ _ALONE = (
     "cameras_trained_on",
 )
 
-_LEARNED = ("lens_falloff", "colour_map")  # of the training cameras; None: not learned
+_LEARNED = ("lens_falloff", "colour_map")  # lens and colours of the training cameras, null where not learned
 
 SCORE_COLUMNS = (*(field for pair in _MOVING.items() for field in pair), "lpips_network", *_LEARNED, *_ALONE)
 """The fields that `hgs eval --json` prints, in their order."""

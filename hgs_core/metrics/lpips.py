@@ -17,7 +17,7 @@ from hgs_core.base.errors import InputError
 __all__ = ["NETWORK", "SMALLEST_SIDE", "Lpips"]
 
 NETWORK = "AlexNet"
-"""The network whose features are compared: with another one the distances differ."""
+"""The network of the features; another one has other distances."""
 
 SMALLEST_SIDE = 31
 """Pixels: the network's strides leave nothing of a smaller picture."""
