@@ -91,11 +91,12 @@ def evaluate_run(
     summary = json.loads(folder.train_summary.read_text())
     falloff, colour_map = summary.get("lens_falloff"), summary.get("colour_map")
     rig = None if falloff is None else partial(RigView, falloff, colour_map)
+    late = summary.get("time_shifts") or {}
     scores = {index: CameraScores() for index in indices}
     names = {index: capture.cameras[index].name for index in indices}
     scene = decode_scene(folder.scene).map(torch.from_numpy)
     magnified = MagnifiedScorer(scene, manifest, capture, source, backend).scores(indices, magnify) if magnify else None
-    _score(scene, manifest, rig, capture, source, scorer, scores, backend, progress)
+    _score(scene, manifest, rig, late, capture, source, scorer, scores, backend, progress)
     totals = manifest.totals
     result = {
         **combine(list(scores.values())),
@@ -128,6 +129,7 @@ def _score(
     scene: HybridScene[Tensor],
     manifest: Manifest,
     rig: Callable[[Camera], RigView] | None,  # lens and colours of the training cameras
+    late: Mapping[str, float],  # training camera -> seconds of its learned clock
     capture: Capture,
     source: Truth,
     scorer: PictureScorer,
@@ -151,7 +153,9 @@ def _score(
                 rig=manifest.rig,
             )
             of_frame = partial(_frame_scores, scorer, source, index, as_rig)
-            for frame in bounded_map(pool, of_frame, _drawn(scene, capture, source, index, view)):
+            for frame in bounded_map(
+                pool, of_frame, _drawn(scene, capture, source, index, view, late.get(camera.name, 0.0))
+            ):
                 gathered.add(frame)
                 decibels += gathered.frames["psnr"][-1] or 0.0
                 done += 1
@@ -160,12 +164,12 @@ def _score(
 
 
 def _drawn(
-    scene: HybridScene[Tensor], capture: Capture, source: Truth, index: int, view: FixedView
+    scene: HybridScene[Tensor], capture: Capture, source: Truth, index: int, view: FixedView, late: float
 ) -> Iterator[tuple[int, Tensor, Tensor]]:
     """Yield every frame of a camera with its picture and its truth, [3, H, W] each."""
     for frame, seconds in enumerate(capture.times):
         segment = scene.segment_at(float(seconds))
-        moment = segment.normalised(capture.moment(index, frame))
+        moment = segment.normalised(capture.moment(index, frame) + late)
         yield frame, view.frame(segment.dynamic, moment).rgb.clamp(0, 1), source.picture(index, frame)
 
 

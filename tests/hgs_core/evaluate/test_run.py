@@ -136,6 +136,14 @@ def test_a_camera_is_scored_at_the_moments_when_it_took_its_frames(tmp_path: Pat
     assert min(scores) > 41  # camera 2 scores 37.7 at the times of the others
 
 
+def test_a_camera_of_training_is_scored_by_the_clock_it_was_trained_with(finished: Path) -> None:
+    plain = evaluate_run(finished, silent, cameras=["0", "1"])["per_camera"]
+    learn(finished, time_shifts={"1": 0.01})
+    shifted = evaluate_run(finished, silent, cameras=["0", "1"])["per_camera"]
+    assert shifted["0"] == plain["0"]
+    assert shifted["1"]["psnr"] < plain["1"]["psnr"]  # the capture's clocks are right
+
+
 def test_the_file_is_plain_json(finished: Path, masks_folder: Path) -> None:
     result = evaluate_run(finished, silent, cameras=["2"], masks=masks_folder)
 
