@@ -153,9 +153,8 @@ def _score(
                 rig=manifest.rig,
             )
             of_frame = partial(_frame_scores, scorer, source, index, as_rig)
-            for frame in bounded_map(
-                pool, of_frame, _drawn(scene, capture, source, index, view, late.get(camera.name, 0.0))
-            ):
+            drawn = _drawn(scene, capture, source, index, view, late.get(camera.name, 0.0))
+            for frame in bounded_map(pool, of_frame, drawn):
                 gathered.add(frame)
                 decibels += gathered.frames["psnr"][-1] or 0.0
                 done += 1

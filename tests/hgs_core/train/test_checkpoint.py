@@ -124,7 +124,7 @@ def test_a_checkpoint_of_another_version_is_refused(state: TrainState, tmp_path:
     save_state(tmp_path / "a.pt", state)
     value = torch.load(tmp_path / "a.pt", weights_only=True)
     torch.save({**value, "format": 99}, tmp_path / "a.pt")
-    with pytest.raises(InputError, match="checkpoint format 99, expected 4; start a new run"):
+    with pytest.raises(InputError, match="checkpoint format 99, expected 5; start a new run"):
         load_state(tmp_path / "a.pt")
 
 
