@@ -56,8 +56,8 @@ class Trainer:
         checkpoint: where the state is kept.
         backdrop: the surface that statics lie on where cameras stand far apart; None: they lie anywhere.
         masks: what moves; without them no splats are born, and stages cannot be `separate`.
-        after: the state of a finished segment whose statics, colour maps and clocks are taken over and stay as they are;
-            None: this segment trains them.
+        after: the state of a finished segment whose statics, colour maps and clocks are taken over as they are; None:
+            this segment trains them.
     """
 
     def __init__(
