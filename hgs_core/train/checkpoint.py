@@ -104,11 +104,6 @@ class TrainState:
         self.dynamic_optimiser.step(self.dynamic, rates, living, rows)
         self.dynamic.opacity_logits[rows] -= opacity_penalty * rates["opacity_logits"]
 
-    def shift_clock(self, place: int, living: DynamicSplats[Tensor], rate: float) -> None:
-        """Take a step of `rate` seconds on the clock of a camera by the gradients of the splats that it saw."""
-        if self.time_shifts is not None:
-            self.time_shifts.step(place, living, rate)
-
     def colours(self, view: TrainingView) -> CameraColours | None:
         """Return the colours of the view's camera as they are; None: it shows those of the scene."""
         return None if self.correction is None else self.correction.of(view.place)

@@ -239,8 +239,8 @@ class Trainer:
                 rates = self.schedule.static_rates(iteration)
                 state.move_static(rates, seen.rows(slice(0, len(static))), config.density.static_opacity_penalty)
             if stage in ("dynamic", "all"):
-                if self.statics_learn:
-                    state.shift_clock(view.place, dynamic, self.schedule.time_shift_rate(iteration))
+                if state.time_shifts is not None and self.statics_learn:
+                    state.time_shifts.step(view.place, dynamic, self.schedule.time_shift_rate(iteration))
                 rates = self.schedule.dynamic_rates(iteration, dynamic)
                 seen = seen.rows(slice(len(static), None))
                 state.move_dynamic(dynamic, rows, rates, seen, config.density.dynamic_opacity_penalty)
