@@ -79,6 +79,7 @@ ROWS: Mapping[str, Row] = {
         ),
         Row("no-colour-correction", "Do the cameras' colour maps help?", {"train.colour_correction": False}),
         Row("no-lens-falloff", "Does learning how lenses darken corners help?", {"train.lens_falloff": False}),
+        Row("no-time-shifts", "Does learning how late cameras are help?", {"train.time_shifts": False}),
         Row(
             "no-births",
             "Do splats that are born where moving pixels are wrong help?",

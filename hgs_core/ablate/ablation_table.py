@@ -11,8 +11,9 @@ __all__ = ["table_text"]
 
 _COLUMNS: Mapping[str, tuple[str, Callable[[float], str]]] = {
     "PSNR": ("psnr", lambda value: f"{value:.2f}"),
-    "SSIM": ("ssim", lambda value: f"{value:.4f}"),
     "PSNR of what moves": ("psnr_dynamic", lambda value: f"{value:.2f}"),
+    "SSIM": ("ssim", lambda value: f"{value:.4f}"),
+    "SSIM of what moves": ("ssim_dynamic", lambda value: f"{value:.4f}"),
     "flicker": ("flicker", lambda value: f"{value:.4f}"),
     "MB static": ("bytes_static", lambda value: f"{value / 1e6:.3f}"),
     "MB dynamic": ("bytes_dynamic", lambda value: f"{value / 1e6:.3f}"),

@@ -13,8 +13,9 @@ __all__ = ["ENOUGH_SEEDS", "FIGURES", "NEAR_DECIBELS", "RowSummary", "summarise"
 
 FIGURES = (
     "psnr",
-    "ssim",
     "psnr_dynamic",
+    "ssim",
+    "ssim_dynamic",
     "flicker",
     "bytes_static",
     "bytes_dynamic",

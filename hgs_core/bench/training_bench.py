@@ -55,7 +55,9 @@ class TrainingReport:
     minutes_in_all: float  # initialisation, training and encoding
     profile: Mapping[str, float]  # seconds of training by activity
     psnr: float  # dB
+    psnr_dynamic: float | None  # dB of moving pixels, None where nothing moves
     ssim: float
+    ssim_dynamic: float | None
     bytes_total: int
     splats_static: int
     splats_dynamic: int
@@ -96,7 +98,9 @@ def bench_training(capture: Path, config: RunConfig, device: str, progress: Prog
         seconds / 60,
         summary["profile"],
         scores["psnr"],
+        scores["psnr_dynamic"],
         scores["ssim"],
+        scores["ssim_dynamic"],
         scores["bytes_total"],
         scores["splats_static"],
         scores["splats_dynamic"],
@@ -140,11 +144,15 @@ def _most_memory() -> int:
 def training_report_text(report: TrainingReport) -> str:
     """Return the report as lines for people."""
     longest = sorted(report.profile.items(), key=lambda item: -item[1])
+    moving = []
+    if report.psnr_dynamic is not None and report.ssim_dynamic is not None:
+        moving = [f"where it moves: PSNR {report.psnr_dynamic:.2f} dB, SSIM {report.ssim_dynamic:.4f}"]
     return "\n".join(
         (
             f"device {report.device}, {report.machine['cpu']}, torch {report.machine['torch']}",
             f"training {report.minutes:.2f} min, with initialisation and encoding {report.minutes_in_all:.2f} min",
             f"PSNR {report.psnr:.2f} dB, SSIM {report.ssim:.4f}, {report.bytes_total:,} bytes",
+            *moving,
             f"{report.splats_static:,} static and {report.splats_dynamic:,} dynamic splats",
             "seconds: " + ", ".join(f"{name} {seconds:.1f}" for name, seconds in longest),
             *(

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 from torch import Tensor
 
-from hgs_core.evaluate.picture_scores import PICTURE_METRICS, REGION_METRICS, PictureScorer
+from hgs_core.evaluate.picture_scores import PICTURE_METRICS, REGION_METRICS, RIG_METRICS, PictureScorer
+from hgs_core.evaluate.rig_view import RigView
 from hgs_core.metrics.colour_corrected_psnr import ColourCorrectedError
 from hgs_core.metrics.flicker import Flicker
 from hgs_core.metrics.psnr import decibels
@@ -22,8 +23,10 @@ REGIONS = {"psnr_dynamic": True, "psnr_static": False}
 Scores = dict[str, float | None]
 """A score by the name of its metric; None where it was not measured or is not finite, as JSON needs it."""
 
-
-_SERIES = (*PICTURE_METRICS, *REGIONS, *REGION_METRICS)
+_MEANS = (*PICTURE_METRICS, *(f"{name}_rig" for name in RIG_METRICS))  # means over frames
+_POOLED = {**REGIONS, "psnr_dynamic_rig": True}
+_PIXEL_MEANS = (*REGION_METRICS, *(f"{name}_rig" for name in REGION_METRICS))
+_SERIES = (*_MEANS, *_POOLED, *_PIXEL_MEANS)
 
 
 @dataclass
@@ -53,21 +56,26 @@ class FrameScores:
 
     @classmethod
     def of(
-        cls, scorer: PictureScorer, image: Tensor, truth: Tensor, moving: Tensor | None, gain: Tensor | None = None
+        cls, scorer: PictureScorer, image: Tensor, truth: Tensor, moving: Tensor | None, rig: RigView | None = None
     ) -> FrameScores:
         """Score a frame [3, H, W] in [0, 1], with its motion mask [H, W] bool, if there is one.
 
-        `gain` [H, W] is what a lens like the capture's leaves of the light of every pixel, if that is known.
+        `rig` is the lens of the training cameras, if one was learned. Without it the rig shows the picture as it is.
         """
-        regions = {name: RegionError() for name in REGIONS}
-        corrected, lens_corrected = ColourCorrectedError(), ColourCorrectedError()
-        if moving is not None:
-            for name, inside in REGIONS.items():
-                regions[name].add(image, truth, moving if inside else ~moving)
-        corrected.add(image, truth, moving)
-        if gain is not None:
-            lens_corrected.add(image * gain, truth, moving)
         metrics = scorer.score(image, truth, moving)
+        as_rig, rig_metrics = image, metrics
+        corrected, lens_corrected = ColourCorrectedError(), ColourCorrectedError()
+        corrected.add(image, truth, moving)
+        if rig is not None:
+            lens_corrected.add(rig.darkened(image), truth, moving)
+            as_rig = rig.shown(image)
+            rig_metrics = scorer.score_as_rig(as_rig, truth, moving)
+        metrics |= {f"{name}_rig": rig_metrics[name] for name in (*RIG_METRICS, *REGION_METRICS)}
+        regions = {name: RegionError() for name in _POOLED}
+        if moving is not None:
+            for name, inside in _POOLED.items():
+                drawn = as_rig if name.endswith("_rig") else image
+                regions[name].add(drawn, truth, moving if inside else ~moving)
         return cls(image, truth, moving, metrics, regions, corrected, lens_corrected)
 
 
@@ -81,8 +89,8 @@ class CameraScores:
         self.colour_corrected = ColourCorrectedError()
         self.lens_corrected = ColourCorrectedError()
         self.frames: dict[str, list[float | None]] = {name: [] for name in _SERIES}
-        self.regions = {name: RegionError() for name in REGIONS}
-        self.means = {name: _PixelMean() for name in REGION_METRICS}
+        self.regions = {name: RegionError() for name in _POOLED}
+        self.means = {name: _PixelMean() for name in _PIXEL_MEANS}
 
     def add(self, frame: FrameScores) -> None:
         """Add the next frame."""
@@ -114,15 +122,13 @@ def combine(cameras: Sequence[CameraScores]) -> Scores:
     They are means over frames and cameras, but for those of regions, which are of all their pixels in all frames
     together, and psnr_colour_corrected, psnr_lens_corrected, flicker and flicker_steady, which are means over cameras.
     """
-    scores: Scores = {
-        name: _mean([value for camera in cameras for value in camera.frames[name]]) for name in PICTURE_METRICS
-    }
-    for name in REGIONS:
+    scores: Scores = {name: _mean([value for camera in cameras for value in camera.frames[name]]) for name in _MEANS}
+    for name in _POOLED:
         pooled = RegionError()
         for camera in cameras:
             pooled.include(camera.regions[name])
         scores[name] = _finite(pooled.psnr())
-    for name in REGION_METRICS:
+    for name in _PIXEL_MEANS:
         means = [camera.means[name] for camera in cameras]
         pixels = sum(mean.pixels for mean in means)
         scores[name] = _finite(sum(mean.total for mean in means) / pixels) if pixels else None

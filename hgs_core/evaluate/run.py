@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -21,11 +21,13 @@ from hgs_core.codec import Manifest, decode_scene, load_manifest
 from hgs_core.evaluate.camera_scores import CameraScores, FrameScores, combine
 from hgs_core.evaluate.magnified import MagnifiedScorer
 from hgs_core.evaluate.picture_scores import PictureScorer
+from hgs_core.evaluate.rig_view import RigView
 from hgs_core.evaluate.truth import Truth
+from hgs_core.metrics.lpips import NETWORK
 from hgs_core.render.fixed_view import FixedView
-from hgs_core.render.lens_falloff import falloff_gain
 from hgs_core.render.threads import one_torch_thread
 from hgs_core.runs.run_folder import RunFolder
+from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import HybridScene
 
 __all__ = ["evaluate_run"]
@@ -87,15 +89,20 @@ def evaluate_run(
     )
     manifest = load_manifest(folder.manifest)
     summary = json.loads(folder.train_summary.read_text())
-    falloff = summary.get("lens_falloff")
+    falloff, colour_map = summary.get("lens_falloff"), summary.get("colour_map")
+    rig = None if falloff is None else partial(RigView, falloff, colour_map)
+    late = summary.get("time_shifts") or {}
     scores = {index: CameraScores() for index in indices}
     names = {index: capture.cameras[index].name for index in indices}
     scene = decode_scene(folder.scene).map(torch.from_numpy)
     magnified = MagnifiedScorer(scene, manifest, capture, source, backend).scores(indices, magnify) if magnify else None
-    _score(scene, manifest, falloff, capture, source, scorer, scores, backend, progress)
+    _score(scene, manifest, rig, late, capture, source, scorer, scores, backend, progress)
     totals = manifest.totals
     result = {
         **combine(list(scores.values())),
+        "lpips_network": None if lpips is None else NETWORK,
+        "lens_falloff": falloff,
+        "colour_map": colour_map,
         "magnified": magnified,
         "bytes_total": totals.bytes_static
         + totals.bytes_dynamic
@@ -121,7 +128,8 @@ def evaluate_run(
 def _score(
     scene: HybridScene[Tensor],
     manifest: Manifest,
-    falloff: list[float] | None,  # mean of the training cameras' lenses
+    rig: Callable[[Camera], RigView] | None,  # lens and colours of the training cameras
+    late: Mapping[str, float],  # training camera -> seconds of its learned clock
     capture: Capture,
     source: Truth,
     scorer: PictureScorer,
@@ -135,7 +143,7 @@ def _score(
     with one_torch_thread(), core_pool() as pool:
         for index, gathered in scores.items():
             camera = views[capture.cameras[index].name]
-            gain = None if falloff is None else falloff_gain(torch.tensor(falloff), camera)
+            as_rig = None if rig is None else rig(camera)
             view = FixedView(
                 scene.static,
                 camera,
@@ -144,8 +152,9 @@ def _score(
                 backend=backend,
                 rig=manifest.rig,
             )
-            of_frame = partial(_frame_scores, scorer, source, index, gain)
-            for frame in bounded_map(pool, of_frame, _drawn(scene, capture, source, index, view)):
+            of_frame = partial(_frame_scores, scorer, source, index, as_rig)
+            drawn = _drawn(scene, capture, source, index, view, late.get(camera.name, 0.0))
+            for frame in bounded_map(pool, of_frame, drawn):
                 gathered.add(frame)
                 decibels += gathered.frames["psnr"][-1] or 0.0
                 done += 1
@@ -154,17 +163,17 @@ def _score(
 
 
 def _drawn(
-    scene: HybridScene[Tensor], capture: Capture, source: Truth, index: int, view: FixedView
+    scene: HybridScene[Tensor], capture: Capture, source: Truth, index: int, view: FixedView, late: float
 ) -> Iterator[tuple[int, Tensor, Tensor]]:
     """Yield every frame of a camera with its picture and its truth, [3, H, W] each."""
     for frame, seconds in enumerate(capture.times):
         segment = scene.segment_at(float(seconds))
-        moment = segment.normalised(capture.moment(index, frame))
+        moment = segment.normalised(capture.moment(index, frame) + late)
         yield frame, view.frame(segment.dynamic, moment).rgb.clamp(0, 1), source.picture(index, frame)
 
 
 def _frame_scores(
-    scorer: PictureScorer, source: Truth, index: int, gain: Tensor | None, drawn: tuple[int, Tensor, Tensor]
+    scorer: PictureScorer, source: Truth, index: int, rig: RigView | None, drawn: tuple[int, Tensor, Tensor]
 ) -> FrameScores:
     frame, picture, truth = drawn
-    return FrameScores.of(scorer, picture, truth, source.moving(index, frame), gain)
+    return FrameScores.of(scorer, picture, truth, source.moving(index, frame), rig)

@@ -75,6 +75,8 @@ class FineTune:
             TrainingViews(views.capture, views.trained, self._config, segment, None, seed, self._device)
             for segment in self._segments
         ]
+        for learned in self._training if states else []:
+            learned.time_shifts = states[0].time_shifts
         extent = scene_extent(np.array([camera.position for camera in views.trained.values()]))
         self._schedules = [Schedule(self._config, extent, segment.frames) for segment in self._segments]
         static = states[0].static_optimiser if states else RmsProp.of(scene.static.map(self._tensor))

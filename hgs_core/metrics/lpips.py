@@ -14,7 +14,10 @@ from torch.nn.functional import adaptive_avg_pool2d, conv2d, max_pool2d
 
 from hgs_core.base.errors import InputError
 
-__all__ = ["SMALLEST_SIDE", "Lpips"]
+__all__ = ["NETWORK", "SMALLEST_SIDE", "Lpips"]
+
+NETWORK = "AlexNet"
+"""The network of the features; another one has other distances."""
 
 SMALLEST_SIDE = 31
 """Pixels: the network's strides leave nothing of a smaller picture."""

@@ -14,6 +14,14 @@ from hgs_core.report.sources import FinishedRun, History
 __all__ = ["comparison_section", "decomposition_section", "quality_section", "training_section"]
 
 _MOST_BARS = 40  # cameras
+_QUALITY = {
+    "PSNR, dB": "psnr",
+    "where it moves": "psnr_dynamic",
+    "through the mean lens": "psnr_rig",
+    "SSIM": "ssim",
+    "SSIM where it moves": "ssim_dynamic",
+}
+"""Title of a column and the score in it."""
 
 
 def quality_section(run: FinishedRun, cameras: Sequence[CameraPictures], times: Sequence[float]) -> str:
@@ -117,7 +125,7 @@ def comparison_section(run: FinishedRun, others: Sequence[FinishedRun]) -> str:
         if dots:
             charts.append(chart(title, scatter_chart(title, dots, label, "PSNR, dB")))
     rows = [_row(run, one, name) for one, name in zip(runs, names, strict=True)]
-    head = ("run", "preset", "PSNR, dB", "SSIM", "MB", "MB per 50 frames", "minutes", "splats", "comparable")
+    head = ("run", "preset", *_QUALITY, "MB", "MB per 50 frames", "minutes", "splats", "comparable")
     html = [f'<div class="charts">{"".join(charts)}</div>', table("All runs", head, rows)]
     if not all(comparable(run, one) for one in others):
         html.append(note("Hollow points were scored on another capture, other cameras or other pictures."))
@@ -188,15 +196,14 @@ def _names(runs: Sequence[FinishedRun]) -> list[str]:
 
 
 def _row(run: FinishedRun, one: FinishedRun, name: str) -> tuple[str, ...]:
-    decibels, similarity = one.score("psnr"), one.score("ssim")
+    quality = [(one.score(key), 2 if key.startswith("psnr") else 4) for key in _QUALITY.values()]
     frames = one.scores.get("frames")
     totals = one.manifest.totals
     scaled = f"{megabytes(per_frames(one.bytes_total, frames, 50)):.3f}" if isinstance(frames, int) and frames else "-"
     return (
         name,
         one.spec.config.preset,
-        "-" if decibels is None else f"{decibels:.2f}",
-        "-" if similarity is None else f"{similarity:.4f}",
+        *("-" if value is None else f"{value:.{places}f}" for value, places in quality),
         f"{megabytes(one.bytes_total):.3f}",
         scaled,
         f"{one.seconds / 60:.1f}",

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from hgs_core.base.config_fields import flat_fields
+from hgs_core.metrics.lpips import NETWORK
 from hgs_core.report.sources import FinishedRun
 from hgs_core.runs.run_config import PRESETS, RunConfig
 
@@ -15,20 +16,26 @@ __all__ = ["Figure", "config_changes", "key_figures", "megabytes", "per_frames"]
 # Scores that eval.json may have: name, label, decimals, unit.
 _SCORES = (
     ("psnr", "PSNR", 2, "dB"),
+    ("psnr_dynamic", "PSNR where it moves", 2, "dB"),
     ("ssim", "SSIM", 4, ""),
+    ("ssim_dynamic", "SSIM where it moves", 4, ""),
+    ("lpips", f"LPIPS, {NETWORK}", 4, ""),
+    ("lpips_dynamic", f"LPIPS, {NETWORK}, where it moves", 4, ""),
+    ("psnr_rig", "PSNR through the mean lens", 2, "dB"),
+    ("psnr_dynamic_rig", "PSNR through the mean lens where it moves", 2, "dB"),
+    ("ssim_rig", "SSIM through the mean lens", 4, ""),
+    ("ssim_dynamic_rig", "SSIM through the mean lens where it moves", 4, ""),
+    ("lpips_rig", f"LPIPS, {NETWORK}, through the mean lens", 4, ""),
+    ("lpips_dynamic_rig", f"LPIPS, {NETWORK}, through the mean lens where it moves", 4, ""),
+    ("psnr_colour_corrected", "PSNR, colours matched per camera", 2, "dB"),
+    ("psnr_dynamic_colour_corrected", "PSNR where it moves, colours matched", 2, "dB"),
+    ("psnr_lens_corrected", "PSNR, lenses and colours matched", 2, "dB"),
+    ("psnr_dynamic_lens_corrected", "PSNR where it moves, lenses and colours matched", 2, "dB"),
+    ("psnr_static", "PSNR where it is still", 2, "dB"),
     ("ms_ssim", "MS-SSIM", 4, ""),
-    ("lpips", "LPIPS", 4, ""),
     ("flip", "FLIP", 4, ""),
     ("flicker", "flicker", 4, ""),
     ("flicker_steady", "flicker of the truth itself", 4, ""),
-    ("psnr_dynamic", "PSNR where it moves", 2, "dB"),
-    ("ssim_dynamic", "SSIM where it moves", 4, ""),
-    ("lpips_dynamic", "LPIPS where it moves", 4, ""),
-    ("psnr_dynamic_colour_corrected", "PSNR where it moves, colours matched", 2, "dB"),
-    ("psnr_static", "PSNR where it is still", 2, "dB"),
-    ("psnr_colour_corrected", "PSNR, colours matched per camera", 2, "dB"),
-    ("psnr_lens_corrected", "PSNR, lenses and colours matched", 2, "dB"),
-    ("psnr_dynamic_lens_corrected", "PSNR where it moves, lenses and colours matched", 2, "dB"),
 )
 
 
@@ -48,7 +55,7 @@ def key_figures(run: FinishedRun) -> list[Figure]:
     figures = []
     for key, label, decimals, unit in _SCORES:
         value = run.score(key)
-        if value is not None:
+        if value is not None and (run.learned_lens or not key.endswith("_rig")):
             figures.append(Figure(key, label, f"{value:.{decimals}f}", unit))
     frames = run.scores.get("frames")
     figures.append(Figure("bytes_total", "size", f"{megabytes(run.bytes_total):.3f}", "MB", "chunks and manifest"))

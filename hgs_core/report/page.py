@@ -121,6 +121,8 @@ def _header(content: PageContent) -> str:
     links = "".join(f'<a href="#{anchor}">{title}</a>' for anchor, title in _SECTIONS.items())
     scored = ", ".join(map(str, run.scores.get("cameras", [])))
     which = f"Scores are means over all frames of {scored}." if scored else "Nothing was scored."
+    if "lens_falloff" in run.scores and not run.learned_lens:
+        which += " Training learned no lens falloff, so the scores through the mean lens are the same."
     if run.seen:
         which += f" Training saw {', '.join(sorted(run.seen))}."
     if run.unscored:

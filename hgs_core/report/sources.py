@@ -56,6 +56,11 @@ class FinishedRun:
         names = self.scores.get("cameras_trained_on")
         return set(map(str, names)) if isinstance(names, list) else set()
 
+    @property
+    def learned_lens(self) -> bool:
+        """Return whether the scores know a lens falloff of the training cameras."""
+        return self.scores.get("lens_falloff") is not None
+
     def score(self, name: str) -> float | None:
         """Return a figure of eval.json, None if it is absent, null or not finite."""
         return finite_number(self.scores.get(name))

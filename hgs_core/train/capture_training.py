@@ -119,6 +119,8 @@ def train_capture(
         "seconds": sum(one.seconds for one in figures),
         "iterations": config.iterations + (len(segments) - 1) * config.later.iterations,
         "lens_falloff": _mean_falloff(key),
+        "colour_map": None if key.correction is None else key.correction.affine.quantile(0.5, dim=0).tolist(),
+        "time_shifts": _time_shifts(key, inputs),
         **key.figures(),
         "dynamic": float(sum(one.dynamic for one in figures)),
         "history": key.history.curves,
@@ -176,6 +178,14 @@ def _mean_falloff(state: TrainState) -> list[float] | None:
     correction = state.correction
     falloff = None if correction is None else correction.falloff
     return None if falloff is None else falloff.mean(0).tolist()
+
+
+def _time_shifts(state: TrainState, inputs: TrainingInputs) -> dict[str, float] | None:
+    """Return the seconds by which each training camera is late, by name."""
+    if state.time_shifts is None:
+        return None
+    names = [inputs.capture.cameras[index].name for index in inputs.cameras]
+    return dict(zip(names, state.time_shifts.seconds.tolist(), strict=True))
 
 
 def _summed(tables: Sequence[dict[str, Any]]) -> dict[str, Any]:

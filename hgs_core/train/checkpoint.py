@@ -21,12 +21,13 @@ from hgs_core.train.colour_correction import CameraColours, ColourCorrection
 from hgs_core.train.history import TrainingHistory
 from hgs_core.train.parameter_mean import ParameterMean
 from hgs_core.train.rmsprop import RmsProp
+from hgs_core.train.time_shifts import TimeShifts
 from hgs_core.train.train_config import TrainConfig
 from hgs_core.train.training_views import TrainingView
 
 __all__ = ["TrainState", "fresh_state", "load_state", "save_state"]
 
-_FORMAT = 4
+_FORMAT = 5
 
 
 @dataclass
@@ -42,6 +43,7 @@ class TrainState:
     statistics: ScreenStatistics
     correction: ColourCorrection | None  # None: cameras are not corrected, or agree well enough not to be
     history: TrainingHistory
+    time_shifts: TimeShifts | None = None  # None: clocks are taken as they are
     static_mean: ParameterMean[StaticSplats[Tensor]] = field(default_factory=ParameterMean)
     dynamic_mean: ParameterMean[DynamicSplats[Tensor]] = field(default_factory=ParameterMean)
 
@@ -126,6 +128,7 @@ def fresh_state(
         ScreenStatistics.zeros(len(static) + len(dynamic)),
         ColourCorrection(cameras, falloff=config.lens_falloff) if config.colour_correction else None,
         TrainingHistory(),
+        TimeShifts(cameras) if config.time_shifts else None,
     )
 
 
@@ -142,6 +145,7 @@ def save_state(path: Path, state: TrainState) -> None:
         "statistics": {f.name: torch.from_numpy(getattr(state.statistics, f.name)) for f in fields(ScreenStatistics)},
         "correction": None if state.correction is None else state.correction.state(),
         "history": state.history.state(),
+        "time_shifts": None if state.time_shifts is None else state.time_shifts.state(),
         "static_mean": state.static_mean.state(),
         "dynamic_mean": state.dynamic_mean.state(),
     }
@@ -169,6 +173,7 @@ def load_state(path: Path) -> TrainState:
             statistics=ScreenStatistics(**{name: _owned(t) for name, t in value["statistics"].items()}),
             correction=None if value["correction"] is None else ColourCorrection.restored(value["correction"]),
             history=TrainingHistory.restored(value["history"]),
+            time_shifts=None if value["time_shifts"] is None else TimeShifts.restored(value["time_shifts"]),
             static_mean=ParameterMean.restored(StaticSplats, value["static_mean"]),
             dynamic_mean=ParameterMean.restored(DynamicSplats, value["dynamic_mean"]),
         )

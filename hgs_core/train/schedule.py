@@ -15,6 +15,7 @@ __all__ = ["Schedule", "share_alive"]
 
 _AVERAGED_EVERY = 10  # iterations; within so few, splats hardly move
 
+_CLOCKS_FROM = 0.1  # share of the iterations before cameras' clocks are learned
 _LEAST_SHARE = 0.05  # least share of time that a splat counts as alive
 
 
@@ -106,6 +107,12 @@ class Schedule:
         if rates.position <= 0:
             return 0.0
         return self.extent * float(rates.position ** (1 - progress) * max(rates.position_final, 1e-12) ** progress)
+
+    def time_shift_rate(self, iteration: int) -> float:
+        """Return the step size of the cameras' clocks in seconds, once the scene has taken shape; it falls to 0."""
+        share, config = iteration / self.config.iterations, self.config
+        frame = self.seconds / max(1, self.frames - 1)
+        return 0.0 if share < _CLOCKS_FROM else config.learning_rates.time_shift * frame * (1 - share)
 
     def is_averaged(self, done: int) -> bool:
         """Return whether the mean takes in the splats after so many iterations; those at the end are taken in."""

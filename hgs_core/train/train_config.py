@@ -52,6 +52,7 @@ class LearningRates:
     time_log_precision: float = 3e-2
     colour_correction: float = 1e-3
     lens_falloff: float = 2e-3
+    time_shift: float = 0.01  # frames
 
     def __post_init__(self) -> None:
         """Check every rate.
@@ -101,6 +102,7 @@ class TrainConfig:
     elongation: float = 20.0  # longest axis of a splat in multiples of its middle one, at most (docs/training.md)
     colour_correction: bool = True  # learn an affine colour map per training camera; scenes do not keep them
     lens_falloff: bool = True  # and how its lens darkens the picture towards the corners
+    time_shifts: bool = True  # and by how much of a frame its clock is late (docs/training.md)
     dssim: float = 0.2  # lambda of the loss
     coarse_until: float = 0.25  # share of `iterations` trained at half resolution
     moving_steps: float = 3.0  # further ones per iteration, of the dynamics alone where masks say it moves; 0: none

@@ -56,7 +56,7 @@ class Trainer:
         checkpoint: where the state is kept.
         backdrop: the surface that statics lie on where cameras stand far apart; None: they lie anywhere.
         masks: what moves; without them no splats are born, and stages cannot be `separate`.
-        after: the state of a finished segment whose statics and colour maps are taken over and stay as they are; None:
+        after: the state of a finished segment whose statics, colour maps and clocks are taken over as they are; None:
             this segment trains them.
     """
 
@@ -89,7 +89,10 @@ class Trainer:
             load_state(checkpoint) if checkpoint.exists() else fresh_state(*start, len(self.views.cameras), config)
         )
         if after is not None:
-            self.state.correction = after.correction
+            self.state.correction, self.state.time_shifts = after.correction, after.time_shifts
+        if self.backdrop is not None:  # silhouettes from so few sides move with their clocks
+            self.state.time_shifts = None
+        self.views.time_shifts = self.state.time_shifts
         self._told = 0.0  # time of the last report, seconds
         self._torn = False  # true while a long round changes the state; the last checkpoint counts then
         self._constrain()  # colours far out of range would leave moments that stop the optimiser for long
@@ -236,6 +239,8 @@ class Trainer:
                 rates = self.schedule.static_rates(iteration)
                 state.move_static(rates, seen.rows(slice(0, len(static))), config.density.static_opacity_penalty)
             if stage in ("dynamic", "all"):
+                if state.time_shifts is not None and self.statics_learn:
+                    state.time_shifts.step(view.place, dynamic, self.schedule.time_shift_rate(iteration))
                 rates = self.schedule.dynamic_rates(iteration, dynamic)
                 seen = seen.rows(slice(len(static), None))
                 state.move_dynamic(dynamic, rows, rates, seen, config.density.dynamic_opacity_penalty)

@@ -22,6 +22,7 @@ from hgs_core.scene.camera import Camera
 from hgs_core.train.device_frames import DeviceFrames
 from hgs_core.train.moving_tiles import MovingTiles, tiles_of
 from hgs_core.train.segment_cuts import CaptureSegment
+from hgs_core.train.time_shifts import TimeShifts
 from hgs_core.train.train_config import TrainConfig
 from hgs_core.train.view_schedule import ViewSchedule
 
@@ -80,6 +81,8 @@ class TrainingViews:
             self._training, segment.frames, frame_bytes, capture.room, config.iterations, seed
         )
         self._block: tuple[int, int] | None = None
+        self.time_shifts: TimeShifts | None = None
+        """Learned shifts of the cameras' clocks, by which single views are late; None: there are none."""
 
     @property
     def masked(self) -> bool:
@@ -186,7 +189,8 @@ class TrainingViews:
         frame += self._segment.first
         camera = self._all[index] if size == 1.0 else self._all[index].scaled(size)
         target = frames.target(index, frame, camera, window)
-        moment = self._segment.clock.normalised(self._capture.moment(index, frame))
+        late = 0.0 if self.time_shifts is None else self.time_shifts.of(self._places[index])
+        moment = self._segment.clock.normalised(self._capture.moment(index, frame) + late)
         moving = None
         if masked:
             assert self._masks is not None, "separate stages need masks"

@@ -96,6 +96,8 @@ def step_of_movers(
     gradient = loss_gradient(picture.detach(), target, view.camera, moving, config.dssim, state.colours(view))
     picture.backward(gradient)  # type: ignore[no-untyped-call]
     living.map(lambda array: array.requires_grad_(False))
+    if state.time_shifts is not None and context.statics_learn:
+        state.time_shifts.step(view.place, living, context.schedule.time_shift_rate(context.iteration))
     rates = context.schedule.dynamic_rates(context.iteration, living)
     seen = seen.rows(slice(statics, None))
     state.move_dynamic(living, rows, rates, seen, config.density.dynamic_opacity_penalty)

@@ -17,7 +17,15 @@ from hgs_core.runs.run_folder import RunFolder
 from tests.large_training import LARGE
 
 CONFIG = RunConfig.for_preset("preview", capture={"hold_out": ["2"]})
-SCORES = {"psnr": 27.5, "ssim": 0.875, "bytes_total": 1_234_567, "splats_static": 4_000, "splats_dynamic": 500}
+SCORES = {
+    "psnr": 27.5,
+    "psnr_dynamic": 25.0,
+    "ssim": 0.875,
+    "ssim_dynamic": 0.75,
+    "bytes_total": 1_234_567,
+    "splats_static": 4_000,
+    "splats_dynamic": 500,
+}
 
 
 @pytest.fixture
@@ -51,6 +59,7 @@ def test_every_stage_is_run_once_in_a_folder_that_is_gone_afterwards(asked: dict
     assert report.size == LARGE
     assert (report.minutes, report.profile) == (1.5, {"draw": 60.0, "step": 30.0})
     assert (report.psnr, report.ssim, report.bytes_total) == (27.5, 0.875, 1_234_567)
+    assert (report.psnr_dynamic, report.ssim_dynamic) == (25.0, 0.75)
     assert (report.splats_static, report.splats_dynamic) == (4_000, 500)
     assert [cost.stage for cost in report.stages] == ["train", "encode", "evaluate"]
     assert all(cost.processor_seconds >= 0 and cost.most_memory > 1 << 20 for cost in report.stages)
@@ -79,7 +88,9 @@ def test_the_text_has_every_figure_and_the_longest_activity_first() -> None:
         2.25,
         {"step": 30.0, "draw": 60.0},
         27.5,
+        25.0,
         0.875,
+        0.75,
         1_234_567,
         4_000,
         500,
@@ -89,6 +100,7 @@ def test_the_text_has_every_figure_and_the_longest_activity_first() -> None:
         "device cpu, Fast One, torch 2.13",
         "training 1.50 min, with initialisation and encoding 2.25 min",
         "PSNR 27.50 dB, SSIM 0.8750, 1,234,567 bytes",
+        "where it moves: PSNR 25.00 dB, SSIM 0.7500",
         "4,000 static and 500 dynamic splats",
         "seconds: draw 60.0, step 30.0",
         "train: 135.0 s of processor in 90.0 s, 75% of the cores, at most 3 MiB",

@@ -1,15 +1,18 @@
 from __future__ import annotations
 
+import numpy as np
 import torch
 from torch import Tensor
 
 from hgs_core.evaluate.camera_scores import CameraScores, FrameScores, combine
 from hgs_core.evaluate.picture_scores import PictureScorer
+from hgs_core.evaluate.rig_view import RigView
 from hgs_core.metrics.colour_corrected_psnr import ColourCorrectedError, colour_corrected_psnr
 from hgs_core.metrics.flicker import flicker
 from hgs_core.metrics.psnr import decibels, psnr
 from hgs_core.metrics.region_psnr import pooled_region_psnr
 from hgs_core.metrics.ssim import ssim, ssim_map
+from hgs_core.scene.camera import Camera
 
 SHAPE = (4, 3, 20, 30)
 
@@ -21,10 +24,10 @@ def clip(seed: int) -> tuple[Tensor, Tensor, Tensor]:
     return images, truths, torch.rand(SHAPE[0], *SHAPE[2:], generator=generator) < 0.2
 
 
-def scored(images: Tensor, truths: Tensor, moving: Tensor | None) -> CameraScores:
+def scored(images: Tensor, truths: Tensor, moving: Tensor | None, rig: RigView | None = None) -> CameraScores:
     scores, scorer = CameraScores(), PictureScorer(None, False)
     for i, (image, truth) in enumerate(zip(images, truths, strict=True)):
-        scores.add(FrameScores.of(scorer, image, truth, None if moving is None else moving[i]))
+        scores.add(FrameScores.of(scorer, image, truth, None if moving is None else moving[i], rig))
     scores.finish()
     return scores
 
@@ -61,6 +64,28 @@ def test_every_moving_pixel_counts_once_in_the_scores_of_what_moves() -> None:
     torch.testing.assert_close(together["psnr_dynamic_colour_corrected"], decibels(squared / values))
 
 
+def camera() -> Camera:
+    return Camera("0", 30, 20, 30.0, 30.0, 15.0, 10.0, np.eye(4))
+
+
+RIG = ("psnr", "ssim", "psnr_dynamic", "ssim_dynamic")
+
+
+def test_the_rig_scores_are_those_of_pictures_that_the_rig_would_show() -> None:
+    images, truths, moving = clip(0)
+    rig = RigView([-0.5, 0.1], [[0.9, 0.0, 0.0, 0.1], [0.0, 1.1, 0.0, 0.0], [0.1, 0.0, 1.0, 0.0]], camera())
+    by_hand = combine([scored(torch.stack([rig.shown(image) for image in images]), truths, moving)])
+    seen, raw = combine([scored(images, truths, moving, rig)]), combine([scored(images, truths, moving)])
+    assert {name: seen[f"{name}_rig"] for name in RIG} == {name: by_hand[name] for name in RIG}
+    assert {name: seen[name] for name in RIG} == {name: raw[name] for name in RIG}  # raw scores know no lens
+
+
+def test_without_a_lens_the_rig_sees_the_raw_picture() -> None:
+    scores = combine([scored(*clip(0))])
+    assert scores["psnr"] is not None
+    assert {name: scores[f"{name}_rig"] for name in (*RIG, "lpips")} == {name: scores[name] for name in (*RIG, "lpips")}
+
+
 def test_frames_have_the_metrics_that_were_measured() -> None:
     frames = clip(0)
     assert {name: len(values) for name, values in scored(*frames).per_frame().items()} == {
@@ -69,9 +94,13 @@ def test_frames_have_the_metrics_that_were_measured() -> None:
         "psnr_dynamic": 4,
         "psnr_static": 4,
         "ssim_dynamic": 4,
+        "psnr_rig": 4,
+        "ssim_rig": 4,
+        "psnr_dynamic_rig": 4,
+        "ssim_dynamic_rig": 4,
     }
     without_masks = scored(*frames[:2], None)
-    assert list(without_masks.per_frame()) == ["psnr", "ssim"]
+    assert list(without_masks.per_frame()) == ["psnr", "ssim", "psnr_rig", "ssim_rig"]
     nothing = combine([without_masks])
     assert nothing["psnr_dynamic"] is nothing["ssim_dynamic"] is nothing["psnr_dynamic_colour_corrected"] is None
 

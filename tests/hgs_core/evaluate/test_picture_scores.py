@@ -8,7 +8,7 @@ import torch
 
 from hgs_core.base.errors import InputError
 from hgs_core.evaluate import picture_scores
-from hgs_core.evaluate.picture_scores import PICTURE_METRICS, REGION_METRICS, PictureScorer
+from hgs_core.evaluate.picture_scores import PICTURE_METRICS, REGION_METRICS, RIG_METRICS, PictureScorer
 from hgs_core.metrics.ms_ssim import SMALLEST_SIDE
 
 
@@ -17,12 +17,21 @@ def test_scores_stand_under_their_names_and_unwanted_ones_are_none() -> None:
     truth = torch.rand(3, SMALLEST_SIDE, SMALLEST_SIDE, generator=torch.Generator().manual_seed(0)) * 0.8
     scorer = PictureScorer(None, with_flip=False)
     scores = scorer.score(truth + 0.1, truth)
-    assert tuple(scores) == PICTURE_METRICS + REGION_METRICS
+    assert set(scores) == {*PICTURE_METRICS, *REGION_METRICS}
     assert scores["psnr"] == pytest.approx(20.0, abs=1e-4)
     assert (scores["lpips"], scores["flip"]) == (None, None)
     equal = scorer.score(truth, truth)
     assert equal["psnr"] == math.inf
     assert (equal["ssim"], equal["ms_ssim"]) == (pytest.approx(1.0), pytest.approx(1.0))
+
+
+def test_the_rig_is_scored_by_the_same_metrics_without_the_costliest() -> None:
+    pair = torch.rand(2, 3, SMALLEST_SIDE, SMALLEST_SIDE, generator=torch.Generator().manual_seed(0))
+    moving = pair[0, 0] > 0.5
+    scorer = PictureScorer(None, with_flip=False)
+    scores, as_rig = scorer.score(*pair, moving), scorer.score_as_rig(*pair, moving)
+    assert set(as_rig) == {*RIG_METRICS, *REGION_METRICS}
+    assert as_rig == {name: scores[name] for name in as_rig}
 
 
 def test_a_metric_that_is_not_defined_for_so_small_a_picture_is_none() -> None:

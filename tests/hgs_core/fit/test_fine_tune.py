@@ -21,6 +21,7 @@ from hgs_core.fit.fit_config import BUDGETS
 from hgs_core.fit.measured_utility import measure_utility
 from hgs_core.scene import DynamicSplats, HybridScene, Segment
 from hgs_core.scene.splats import joined
+from hgs_core.train.checkpoint import fresh_state
 from hgs_core.train.schedule import share_alive
 from hgs_core.train.targets import target_picture
 from hgs_core.train.train_config import TrainConfig
@@ -81,6 +82,20 @@ def test_equal_arguments_give_equal_scenes_and_leave_the_given_one_alone(given: 
         for (_, a), (_, b) in zip(one.segments[0].dynamic.items(), other.segments[0].dynamic.items(), strict=True):
             np.testing.assert_array_equal(a, b)
     assert len(first.scene.static) == len(first.utility.static.shown) <= len(scene.static)
+
+
+def test_views_are_of_the_moments_that_training_learned(given: Given) -> None:
+    scene, views, utility = given
+    moved = []
+    for seconds in (0.0, 0.02):
+        splats = (scene.static.map(torch.from_numpy), scene.segments[0].dynamic.map(torch.from_numpy))
+        state = fresh_state(*splats, len(views.trained), CONFIG)
+        assert state.time_shifts is not None
+        state.time_shifts.seconds[:] = seconds
+        tune = FineTune(scene, utility, views, CONFIG, 0, [state])
+        tune.run(COARSE, range(1), lambda _: None)
+        moved.append(tune.scene.segments[0].dynamic.time_centers)
+    assert not np.array_equal(*moved)
 
 
 def test_a_budget_is_kept_with_coarser_codes_than_without(given: Given) -> None:

@@ -113,6 +113,13 @@ def test_a_comparison_marks_the_run_that_is_not_comparable(finished: FinishedRun
     assert "Hollow points" not in comparison_section(finished, [finished])
 
 
+def test_a_comparison_has_what_moves_and_the_lens_beside_the_raw_score(finished: FinishedRun, scored: Scored) -> None:
+    scores = {"psnr": 27.0, "psnr_dynamic": 25.0, "psnr_rig": 28.0, "ssim": 0.5, "ssim_dynamic": 0.25}
+    html = comparison_section(finished, [replace(scored(**scores), name="other")])
+    cells = "<td>27.00</td><td>25.00</td><td>28.00</td><td>0.5000</td><td>0.2500</td>"
+    assert f'<th scope="row">other</th><td>preview</td>{cells}' in html
+
+
 def test_runs_of_one_name_are_told_apart_by_their_folders(finished: FinishedRun) -> None:
     html = comparison_section(finished, [finished])
     assert html.count(f'<th scope="row">{finished.folder.path.parent.name}/{finished.name}</th>') == 2

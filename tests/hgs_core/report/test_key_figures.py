@@ -33,6 +33,15 @@ def test_figures_are_those_of_eval_json(run: Path, finished: FinishedRun) -> Non
     assert shown["splats"] == f"{scores['splats_static'] + scores['splats_dynamic']:,}"
 
 
+def test_figures_through_the_lens_are_shown_where_one_was_learned(finished: FinishedRun) -> None:
+    scores = {"psnr": 27.0, "psnr_dynamic": 25.0, "psnr_rig": 28.0, "psnr_dynamic_rig": 26.0}
+    with_lens = values(replace(finished, scores={**scores, "lens_falloff": [-0.1, 0.0]}))
+    without = values(replace(finished, scores={**scores, "lens_falloff": None}))
+    assert list(with_lens)[:4] == ["psnr", "psnr_dynamic", "psnr_rig", "psnr_dynamic_rig"]
+    assert (with_lens["psnr_rig"], with_lens["psnr_dynamic_rig"]) == ("28.00", "26.00")
+    assert [name for name in without if name.endswith("_rig")] == []
+
+
 def test_time_and_speed_are_those_of_training(finished: FinishedRun) -> None:
     """40 iterations in 12 seconds."""
     assert (values(finished)["minutes"], values(finished)["rate"]) == ("0.2", "3.3")

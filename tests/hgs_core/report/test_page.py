@@ -83,6 +83,14 @@ def test_settings_that_differ_from_the_preset_are_listed(report: Path) -> None:
     assert '<tr><th scope="row">train.iterations</th><td>3200</td><td>40</td></tr>' in report.read_text()
 
 
+def test_the_page_says_that_no_lens_was_learned(report: Path, tmp_path: Path) -> None:
+    words = "Training learned no lens falloff"
+    assert words in report.read_text()
+    run = write_finished_run(tmp_path, lens_falloff=[-0.1, 0.0])
+    write_report(run, tmp_path / "page.html", (), silent)
+    assert words not in (tmp_path / "page.html").read_text()
+
+
 def test_the_page_names_the_machine_that_trained_the_run(tmp_path: Path) -> None:
     machine = {"hgs": "1.2.3", "cpu": "a <processor>", "cores": 4}
     write_report(write_finished_run(tmp_path, machine=machine), tmp_path / "page.html", (), silent)

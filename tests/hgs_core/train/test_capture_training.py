@@ -65,6 +65,35 @@ def test_segments_share_the_statics_and_follow_each_other(capture: Capture, tmp_
 
 
 @pytest.mark.parametrize("learned", [True, False])
+def test_the_summary_has_the_median_colour_map_of_the_cameras(capture: Capture, tmp_path: Path, learned: bool) -> None:
+    path = tmp_path / "0.pt"
+    config = dataclasses.replace(CONFIG, segment_frames=6, colour_correction=learned)
+    summary = train_capture(inputs(capture, config), lambda number: path, silent)
+    correction = load_state(path).correction
+    if learned:
+        assert correction is not None
+        assert np.ravel(summary["colour_map"]) == pytest.approx(np.median(correction.affine.numpy(), axis=0).ravel())
+    else:
+        assert summary["colour_map"] is None
+
+
+@pytest.mark.parametrize("learned", [True, False])
+def test_the_summary_names_the_clocks_that_all_segments_share(capture: Capture, tmp_path: Path, learned: bool) -> None:
+    files = {number: tmp_path / f"{number}.pt" for number in range(2)}
+    chosen = inputs(capture, dataclasses.replace(CONFIG, time_shifts=learned))
+    summary = train_capture(chosen, files.__getitem__, silent)
+    first, second = (load_state(file).time_shifts for file in files.values())
+    if learned:
+        assert first is not None
+        assert second is not None
+        assert first.seconds.tolist() == second.seconds.tolist()
+        names = [capture.cameras[index].name for index in chosen.cameras]
+        assert summary["time_shifts"] == dict(zip(names, first.seconds.tolist(), strict=True))
+    else:
+        assert first is second is summary["time_shifts"] is None
+
+
+@pytest.mark.parametrize("learned", [True, False])
 def test_the_summary_has_the_mean_falloff_of_the_lenses(capture: Capture, tmp_path: Path, learned: bool) -> None:
     path = tmp_path / "0.pt"
     config = dataclasses.replace(CONFIG, segment_frames=6, lens_falloff=learned)

@@ -12,6 +12,7 @@ import torch
 from hgs_core.base.errors import InputError
 from hgs_core.render.types import ScreenStatistics
 from hgs_core.train.checkpoint import TrainState, load_state, save_state
+from hgs_core.train.time_shifts import TimeShifts
 from tests.hgs_core.render.scenes import dynamic_splats, static_splats
 from tests.hgs_core.train.conftest import state_of
 
@@ -38,6 +39,15 @@ def test_a_state_comes_back_as_it_was(state: TrainState, tmp_path: Path) -> None
         for (name, one), (_, two) in zip(mine.items(), theirs.items(), strict=True):
             assert torch.equal(one, two), name
     np.testing.assert_array_equal(back.statistics.count, state.statistics.count)
+
+
+def test_clocks_come_back_as_they_were(state: TrainState, tmp_path: Path) -> None:
+    state.time_shifts = TimeShifts(2)
+    state.time_shifts.seconds[:] = torch.tensor([0.25, -0.25])
+    save_state(tmp_path / "a.pt", state)
+    back = load_state(tmp_path / "a.pt").time_shifts
+    assert back is not None
+    assert back.seconds.tolist() == [0.25, -0.25]
 
 
 def test_means_come_back_as_they_were(state: TrainState, tmp_path: Path) -> None:
@@ -114,7 +124,7 @@ def test_a_checkpoint_of_another_version_is_refused(state: TrainState, tmp_path:
     save_state(tmp_path / "a.pt", state)
     value = torch.load(tmp_path / "a.pt", weights_only=True)
     torch.save({**value, "format": 99}, tmp_path / "a.pt")
-    with pytest.raises(InputError, match="checkpoint format 99, expected 4; start a new run"):
+    with pytest.raises(InputError, match="checkpoint format 99, expected 5; start a new run"):
         load_state(tmp_path / "a.pt")
 
 

@@ -74,6 +74,13 @@ def test_coefficients_beyond_the_order_of_motion_never_move(order: int, coeffici
     assert motion[1, order, 0] == pytest.approx(0.4e-3 * 10**order)
 
 
+def test_clocks_step_by_parts_of_a_frame_from_a_tenth_of_the_training_on() -> None:
+    schedule = Schedule(CONFIG, 1.0, 51, seconds=2.0)
+    frame = 2.0 / 50
+    rates = [schedule.time_shift_rate(iteration) / frame for iteration in (0, 99, 100, 500, 1000)]
+    assert rates == pytest.approx([0.0, 0.0, 0.009, 0.005, 0.0])
+
+
 def test_pictures_are_coarse_first() -> None:
     schedule = Schedule(CONFIG, 1.0, 50)
     assert [schedule.resolution(c) for c in (0, 249, 250, 999)] == [0.5, 0.5, 1.0, 1.0]

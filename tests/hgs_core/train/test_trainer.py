@@ -339,6 +339,14 @@ def test_falloffs_are_learned_only_where_that_is_wanted(capture_folder: Path, tm
     assert plain.state.correction.falloff is None
 
 
+def test_clocks_are_learned_only_where_that_is_wanted(capture_folder: Path, tmp_path: Path) -> None:
+    wanted, plain = with_and_without("time_shifts", capture_folder, tmp_path)
+    assert wanted.state.time_shifts is not None
+    assert wanted.views.time_shifts is wanted.state.time_shifts
+    assert float(wanted.state.time_shifts.seconds.abs().min()) > 0
+    assert plain.state.time_shifts is None
+
+
 def test_held_out_cameras_are_never_read(capture_folder: Path, tmp_path: Path) -> None:
     training = trainer(capture_folder, tmp_path / "checkpoint.pt", config())
     held_out = open_capture(capture_folder).camera_index("2")

@@ -8,6 +8,7 @@ import pytest
 
 from hgs_core.capture.open import open_capture
 from hgs_core.train.segment_cuts import cut_into_segments
+from hgs_core.train.time_shifts import TimeShifts
 from hgs_core.train.train_config import TrainConfig
 from hgs_core.train.training_views import TrainingViews
 from tests.synthetic import write_capture
@@ -25,6 +26,16 @@ def test_a_view_is_of_the_moment_when_its_camera_took_it(tmp_path: Path) -> None
         found.setdefault(view.place, set()).add(round(view.moment, 6))
     assert sorted(found[0]) == [0.0, 0.25, 0.5, 0.75, 1.0]
     assert sorted(found[1]) == [0.125, 0.375, 0.625, 0.875, 1.125]
+
+
+def test_a_learned_clock_is_added_to_that_of_the_capture(views: TrainingViews) -> None:
+    before = views.of_iteration(3, 1.0)
+    views.time_shifts = TimeShifts(len(views.cameras))
+    views.time_shifts.seconds[before.place] = 0.25
+    late = views.of_iteration(3, 1.0)
+    views.time_shifts = None
+    clock = views._segment.clock
+    assert late.moment - before.moment == pytest.approx(0.25 / (clock.end - clock.start))
 
 
 def test_poses_cover_the_segment(views: TrainingViews) -> None:

@@ -60,6 +60,7 @@ def take(state: TrainState, iteration: int) -> None:
         views=SimpleNamespace(silhouettes=views),
         schedule=Schedule(STEPS, extent=1.0, frames=6),
         iteration=iteration,
+        statics_learn=True,
         random=lambda purpose: np.random.default_rng((purpose, iteration)),
     )
     SilhouetteSteps(STEPS).apply(state, cast(RoundContext, context))
