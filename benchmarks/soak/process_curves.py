@@ -32,7 +32,7 @@ def sample_of(pid: int, time: float) -> Sample | None:
     process = Path("/proc", str(pid))
     try:
         pages = int((process / "statm").read_text().split()[1])
-        links = [str(entry.readlink()) for entry in (process / "fd").iterdir()]
+        links = [_link(entry) for entry in (process / "fd").iterdir()]
         threads = len(list((process / "task").iterdir()))
     except OSError:
         return None
@@ -40,6 +40,13 @@ def sample_of(pid: int, time: float) -> Sample | None:
         return None
     sockets = sum(link.startswith("socket:") for link in links)
     return Sample(time, pid, pages * _PAGE / 2**20, len(links), threads, sockets)
+
+
+def _link(entry: Path) -> str:
+    try:
+        return str(entry.readlink())
+    except OSError:  # closed meanwhile
+        return ""
 
 
 class Curves(threading.Thread):

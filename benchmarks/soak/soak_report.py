@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, astuple, dataclass
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -54,9 +54,9 @@ class SoakResult:
 
 
 def waits_of(history: Sequence[Event]) -> dict[str, float]:
-    """Return the waits of viewers and jobs in seconds."""
+    """Return the waits of viewers and jobs in seconds; a viewer without a picture has waited until it left."""
     watched = [event for event in history if event.act is Act.WATCH and event.acknowledged]
-    starts = sorted(event.answer["start"] for event in watched if event.answer["start"] is not None)
+    starts = sorted(e.request["seconds"] if (start := e.answer["start"]) is None else start for e in watched)
     submitted = {e.answer["id"]: e.ended for e in reversed(history) if e.act is Act.SUBMIT and e.acknowledged}
     ended = [
         event.ended - submitted[event.target]
@@ -78,8 +78,10 @@ def write_report(
     samples: Mapping[str, Sequence[Sample]],
     disk: Mapping[str, Sequence[tuple[float, float]]],
 ) -> Path:
-    """Write report.html and report.json, and return the page."""
+    """Write report.html, report.json and curves.json, and return the page."""
     (folder / "report.json").write_text(json.dumps(asdict(result), indent=1))
+    curves = {role: [astuple(sample) for sample in points] for role, points in samples.items()}
+    (folder / "curves.json").write_text(json.dumps({"processes": curves, "disk": disk}))
     charts = [chart(unit, _curves(measure, unit, samples), _limit(measure)) for measure, unit in _UNITS.items()]
     lines = [Series(name, *_columns(points), number) for number, (name, points) in enumerate(disk.items())]
     charts.append(chart("Disk", line_chart("Disk", lines, "seconds", "MiB", y_zero=True)))
