@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from benchmarks.soak.history import Act, Event, History
+from benchmarks.soak.request_history import Act, Event, History
 
 __all__ = ["Answer", "Board", "ClientCalls"]
 

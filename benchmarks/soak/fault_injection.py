@@ -11,8 +11,8 @@ from collections import Counter
 from collections.abc import Callable
 
 from benchmarks.soak.fault_plan import Fault, PlannedFault
-from benchmarks.soak.history import Act, Event, History
 from benchmarks.soak.key_client import KeyDesk
+from benchmarks.soak.request_history import Act, Event, History
 from benchmarks.soak.soaked_service import SoakedService
 from benchmarks.soak.supervised import SupervisedProcess, stage_processes
 
@@ -44,7 +44,7 @@ class FaultInjection:
             self._healing.append(thread)
 
     def heal(self) -> None:
-        """Wait for the ends of all faults, and undo what they left."""
+        """Wait for the ends of all faults, and undo their remains."""
         for thread in self._healing:
             thread.join()
         for door in (self._service.store_door, self._service.database_door, self._service.client_door):

@@ -10,7 +10,7 @@ __all__ = ["Fault", "PlannedFault", "plan_faults"]
 
 FIRST = 20.0  # seconds before the first fault: enough for a capture and jobs to be there
 GAP = 5.0  # mean seconds between two faults
-CALM = 0.6  # share of the soak after which API and workers live on, so that their curves have a slope
+CALM = 0.4  # share of the soak after which API and workers live on, so that their curves have a slope
 
 
 class Fault(StrEnum):

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from benchmarks.soak.final_state import FinalState
-from benchmarks.soak.history import Act, Event
+from benchmarks.soak.request_history import Act, Event
 
 __all__ = ["REVOCATION_SECONDS", "Finding", "Verdict", "check_history"]
 

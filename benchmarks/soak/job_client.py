@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.soak.client_calls import Answer, ClientCalls
-from benchmarks.soak.history import Act, Event
+from benchmarks.soak.request_history import Act, Event
 from hgs_core.base.own_modules import module_command
 
 __all__ = ["JobActions", "job_client"]
@@ -39,7 +39,7 @@ class JobActions:
         while not calls.over:
             event = calls.note(Act.SUBMIT, key, lambda: self._submitted(key, body), _id)
             if event.acknowledged:
-                if calls.dice.random() < 0.3:  # as a client that has not heard the answer
+                if calls.dice.random() < 0.3:  # a client may not have received the answer
                     calls.note(Act.SUBMIT, key, lambda: self._submitted(key, body), _id)
                 return str(event.answer["id"])
             calls.rest(1.0)

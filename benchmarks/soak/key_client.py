@@ -7,7 +7,7 @@ from collections.abc import Callable
 from sqlalchemy.exc import SQLAlchemyError
 
 from benchmarks.soak.client_calls import Answer, ClientCalls
-from benchmarks.soak.history import Act
+from benchmarks.soak.request_history import Act
 from jobs.home.home import Home
 from jobs.records.keys import KeyTable, Scope
 
@@ -18,7 +18,7 @@ HANDOVER = 2.0  # seconds in which the old and the new key work
 
 
 class KeyDesk:
-    """The operator who makes and revokes keys, as `hgs keys` does."""
+    """The making and revoking of keys, as `hgs keys` does."""
 
     def __init__(self, calls: ClientCalls, home: Home) -> None:
         """Work on the home's database."""

@@ -79,11 +79,11 @@ def _lost_cancel(module: ModuleType) -> None:
 
 
 def _stuck_job(module: ModuleType) -> None:
-    """Never note the success of every third job."""
+    """Never note the success of about every second job."""
     succeed = module.JobTable.succeed
 
     def sometimes(self: Any, job_id: str, *rest: Any) -> Any:
-        return zlib.crc32(job_id.encode()) % 3 != 0 and succeed(self, job_id, *rest)
+        return zlib.crc32(job_id.encode()) % 2 == 0 and succeed(self, job_id, *rest)
 
     module.JobTable.succeed = sometimes
 

@@ -6,7 +6,7 @@ import asyncio
 from typing import Any
 
 from benchmarks.soak.client_calls import ClientCalls
-from benchmarks.soak.history import Act, Event
+from benchmarks.soak.request_history import Act, Event
 from server.client.stream_client import StreamRefusedError
 from server.client.viewing import play
 

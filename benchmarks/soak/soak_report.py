@@ -9,10 +9,10 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from benchmarks.soak.growth import LIMITS, Slope
-from benchmarks.soak.history import Act, Event
+from benchmarks.soak.curve_slopes import LIMITS, Slope
 from benchmarks.soak.history_check import Finding
 from benchmarks.soak.process_curves import Sample
+from benchmarks.soak.request_history import Act, Event
 from hgs_core.report.charts import Series, line_chart
 from hgs_core.report.markup import chart, note, pairs, section, table
 

@@ -11,15 +11,15 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.soak.client_calls import Board, ClientCalls
+from benchmarks.soak.curve_slopes import slopes
 from benchmarks.soak.fault_injection import FaultInjection
 from benchmarks.soak.fault_plan import plan_faults
 from benchmarks.soak.final_state import settled, state_of
-from benchmarks.soak.growth import slopes
-from benchmarks.soak.history import Act, History, read_history
 from benchmarks.soak.history_check import check_history
 from benchmarks.soak.job_client import job_client
 from benchmarks.soak.key_client import KeyDesk, key_client
 from benchmarks.soak.process_curves import Curves
+from benchmarks.soak.request_history import Act, History, read_history
 from benchmarks.soak.scene_viewers import watch_scenes
 from benchmarks.soak.soak_report import SoakResult, waits_of, write_report
 from benchmarks.soak.soaked_service import Extras, SoakedService
@@ -38,7 +38,7 @@ def soak(folder: Path, seed: int, minutes: float, extras: Extras, say: Callable[
     write_capture(folder / "capture", cameras=4, frames=4, width=48, height=36)
     history_file = folder / "history.jsonl"
     with SoakedService(folder, extras) as service:
-        os.environ.update(service.own_home.environment())  # for commands of clients
+        os.environ.update(service.own_home.environment())  # commands of clients read it
         service.until_ready()
         history = History(history_file)
         board = Board(service.address, service.admin_key, history)

@@ -56,8 +56,8 @@ class SoakedService:
     def __init__(self, folder: Path, extras: Extras) -> None:
         """Prepare; the folder is new."""
         self.folder, self.extras = folder, extras
-        self.home: Home  # as the service's processes reach it
-        self.own_home: Home  # without doors that fail
+        self.home: Home  # the service's, behind doors that fail
+        self.own_home: Home  # the same, reached directly
         self.admin_key = ""
         self.address = ""  # host and port of the API, behind a door
         self.processes: dict[str, SupervisedProcess] = {}

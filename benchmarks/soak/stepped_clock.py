@@ -44,5 +44,5 @@ class SteppedClock:
 
     def step_to(self, seconds: float) -> None:
         """Set the offset."""
-        with self._file.open("r+b") as file:  # in place: it is mapped into memory
+        with self._file.open("r+b") as file:  # the same file, which is mapped into memory
             file.write(struct.pack("d", seconds))

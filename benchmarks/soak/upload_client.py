@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from benchmarks.soak.client_calls import Answer, ClientCalls
-from benchmarks.soak.history import Act
+from benchmarks.soak.request_history import Act
 
 __all__ = ["CaptureFiles", "upload_client"]
 

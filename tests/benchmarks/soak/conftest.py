@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from benchmarks.soak.client_calls import Answer, Board, ClientCalls
-from benchmarks.soak.history import Event, History, read_history
+from benchmarks.soak.request_history import Event, History, read_history
 
 Answers = Callable[[str, str, Any], Answer]
 

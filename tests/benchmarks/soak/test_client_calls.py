@@ -8,7 +8,7 @@ from http.server import BaseHTTPRequestHandler, HTTPServer
 import pytest
 
 from benchmarks.soak.client_calls import Answer, Board, ClientCalls
-from benchmarks.soak.history import Act, Event
+from benchmarks.soak.request_history import Act, Event
 
 
 class Echo(BaseHTTPRequestHandler):

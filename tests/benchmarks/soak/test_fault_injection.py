@@ -14,7 +14,7 @@ from benchmarks.soak import fault_injection
 from benchmarks.soak.client_calls import Board
 from benchmarks.soak.fault_injection import MOST_KILLS, FaultInjection
 from benchmarks.soak.fault_plan import Fault, PlannedFault
-from benchmarks.soak.history import Act, Event
+from benchmarks.soak.request_history import Act, Event
 from benchmarks.soak.stepped_clock import SteppedClock
 
 

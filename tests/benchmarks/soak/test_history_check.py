@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 from benchmarks.soak.final_state import FinalJob, FinalScene, FinalState
-from benchmarks.soak.history import Act, Event
 from benchmarks.soak.history_check import REVOCATION_SECONDS, Finding, Verdict, check_history
+from benchmarks.soak.request_history import Act, Event
 
 
 def submitted(job: str = "a", key: str = "key-a", status: int = 201) -> Event:

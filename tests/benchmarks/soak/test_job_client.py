@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.soak.client_calls import Answer, Board
-from benchmarks.soak.history import Act, Event
 from benchmarks.soak.job_client import JobActions, job_client
+from benchmarks.soak.request_history import Act, Event
 
 Scripted = Callable[[Callable[[str, str, Any], Answer]], Any]
 JOB = {"id": "a", "state": "succeeded", "stage": "publish", "attempt": 1, "waiting": None, "error": None}

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.soak.client_calls import Answer, Board
-from benchmarks.soak.history import Act, Event
 from benchmarks.soak.key_client import KeyDesk, key_client
+from benchmarks.soak.request_history import Act, Event
 from jobs.home.home import Home
 from jobs.records.keys import KeyTable
 

@@ -7,7 +7,7 @@ import pytest
 
 from benchmarks.soak import scene_viewers
 from benchmarks.soak.client_calls import Board, ClientCalls
-from benchmarks.soak.history import Act, Event
+from benchmarks.soak.request_history import Act, Event
 from benchmarks.soak.scene_viewers import watch_scenes
 from server.client.stream_client import StreamRefusedError
 from server.client.viewing import Watched

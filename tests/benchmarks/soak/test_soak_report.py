@@ -4,10 +4,10 @@ import json
 from pathlib import Path
 from typing import Any
 
-from benchmarks.soak.growth import Slope
-from benchmarks.soak.history import Act, Event
+from benchmarks.soak.curve_slopes import Slope
 from benchmarks.soak.history_check import Finding, Verdict
 from benchmarks.soak.process_curves import Sample
+from benchmarks.soak.request_history import Act, Event
 from benchmarks.soak.soak_report import SoakResult, waits_of, write_report
 
 SOUND = SoakResult({"succeeded": 3}, [], [Slope("api", "memory", 0.1)], {"kill the API": 2}, {"longest job": 9.0}, [])

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.soak.client_calls import Answer, Board
-from benchmarks.soak.history import Act, Event
+from benchmarks.soak.request_history import Act, Event
 from benchmarks.soak.upload_client import CaptureFiles, upload_client
 
 Scripted = Callable[[Callable[[str, str, Any], Answer]], Any]

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.soak.history import Act, Event, History, read_history
+from benchmarks.soak.request_history import Act, Event, History, read_history
 
 
 def test_events_come_back_from_the_file(tmp_path: Path) -> None:

@@ -4,7 +4,7 @@ import random
 
 import pytest
 
-from benchmarks.soak.growth import LIMITS, SHORTEST, WARM_UP, Slope, slope_of, slopes
+from benchmarks.soak.curve_slopes import LIMITS, SHORTEST, WARM_UP, Slope, slope_of, slopes
 from benchmarks.soak.process_curves import Sample
 
 

@@ -11,7 +11,7 @@ from benchmarks.soak.process_curves import Sample
 
 __all__ = ["LIMITS", "Slope", "slope_of", "slopes"]
 
-WARM_UP = 45.0  # seconds of each life
+WARM_UP = 90.0  # seconds of each life
 SHORTEST = 40.0  # seconds of a life after that for a slope
 APART = 0.5  # share of a life between two samples that are compared
 LIMITS: Mapping[str, float] = {"memory": 0.6, "files": 4.0, "threads": 2.0, "connections": 4.0}
