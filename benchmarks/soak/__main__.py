@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import signal
 import subprocess
 import sys
 import tempfile
@@ -32,6 +33,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--old-workers", metavar="REVISION", default="", help="let one worker be of this revision")
     parser.add_argument("--bug", choices=list(Bug), type=Bug, help="plant a deliberate bug, which must be found")
     options = parser.parse_args(arguments)
+    signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(128 + number))  # nothing may stay behind
     return refusing(lambda: _run(options))
 
 

@@ -1,4 +1,4 @@
-"""The growth of processes: robust slopes of their curves, without the first part of each life."""
+"""The growth of processes: robust slopes of their curves, which neither a warm-up nor a step after a fault raises."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from benchmarks.soak.process_curves import Sample
 
 __all__ = ["LIMITS", "Slope", "slope_of", "slopes"]
 
-WARM_UP = 90.0  # seconds of each life
-SHORTEST = 40.0  # seconds of a life after that for a slope
-APART = 0.5  # share of a life between two samples that are compared
+WARM_UP = 60.0  # seconds of each life
+PARTS = 3  # a leak grows in each part of a life; a step only in one
+SHORTEST = 75.0  # seconds of a life after its warm-up
 LIMITS: Mapping[str, float] = {"memory": 0.6, "files": 4.0, "threads": 2.0, "connections": 4.0}
 """The largest growth per minute; of memory in MiB."""
 
@@ -40,19 +40,21 @@ class Slope:
 
 
 def slope_of(lives: Sequence[Sequence[tuple[float, float]]]) -> float | None:
-    """Return the median growth per minute between two moments of a life that lie at least half of it apart.
+    """Return the growth per minute of the longest life, after its warm-up: the smallest of its parts' median slopes.
 
-    A life is its moments in seconds with their values; the median takes no notice of single peaks.
+    A life is its moments in seconds with their values. Two moments count that lie at least half a part apart.
     """
-    slopes: list[float] = []
-    for life in lives:
-        late = [(time, value) for time, value in life if time - life[0][0] >= WARM_UP]
-        lasted = late[-1][0] - late[0][0] if late else 0.0
-        if lasted < SHORTEST:
-            continue
-        for time, value in late:
-            slopes += [60 * (other - value) / (then - time) for then, other in late if then - time >= APART * lasted]
-    return statistics.median(slopes) if slopes else None
+    late = [[(time, value) for time, value in life if time - life[0][0] >= WARM_UP] for life in lives]
+    longest = max(late, key=lambda life: life[-1][0] - life[0][0] if life else 0.0, default=[])
+    lasts = (longest[-1][0] - longest[0][0] if longest else 0.0) / PARTS
+    if lasts * PARTS < SHORTEST:
+        return None
+    found = []
+    for part in range(PARTS):
+        begin = longest[0][0] + part * lasts
+        points = [(time, value) for time, value in longest if begin <= time <= begin + lasts]
+        found.append([(b - a) / (then - time) for time, a in points for then, b in points if then - time >= lasts / 2])
+    return min(60 * statistics.median(part) if part else 0.0 for part in found)
 
 
 def slopes(samples: Mapping[str, Sequence[Sample]]) -> list[Slope]:

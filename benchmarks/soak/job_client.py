@@ -116,7 +116,7 @@ def _use_scene(actions: JobActions, job: str, run: Path) -> None:
         if not actions.calls.rest(1.0):
             return
     actions.calls.board.scenes.append(job)
-    for number in range(dice.choice((0, 1, 2))):
+    for number in range(dice.choice((1, 2))):
         actions.change(Act.RENAME, job, "PATCH", f"/v1/scenes/{job}", {"title": f"{job} {number}"})
     if dice.random() < 0.3:
         gone = actions.change(Act.DELETE_SCENE, job, "DELETE", f"/v1/scenes/{job}")

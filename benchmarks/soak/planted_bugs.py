@@ -121,14 +121,15 @@ def _lost_title(module: ModuleType) -> None:
 
 def _short_capture(module: ModuleType) -> None:
     """Cut the last byte off a file once its digest has been verified."""
-    finish = module.Upload.finish
+    assemble = module.Upload.assemble
 
-    def cut(self: Any, capture: str) -> None:
-        finish(self, capture)
-        file = max(path for path in Path(capture).rglob("*") if path.is_file())
+    def cut(self: Any) -> Path:
+        tree: Path = assemble(self)
+        file = max(path for path in tree.rglob("*") if path.is_file())
         os.truncate(file, file.stat().st_size - 1)
+        return tree
 
-    module.Upload.finish = cut
+    module.Upload.assemble = cut
 
 
 def _immortal_key(module: ModuleType) -> None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
+import shutil
 from collections import Counter
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -53,6 +55,7 @@ def soak(folder: Path, seed: int, minutes: float, extras: Extras, say: Callable[
         history.close()
         events = list(read_history(history_file))
         finished = [event for event in events if event.act is Act.FINISH_UPLOAD and event.acknowledged]
+        _keep_logs(service.own_home.runs, folder / "stages")
         final = state_of(service.own_home, operator, [event.answer["capture"] for event in finished])
     facts: dict[str, Any] = {"seed": seed, "minutes": minutes, "requests": len(events)}
     facts |= {"acknowledged": sum(event.acknowledged for event in events)}
@@ -63,6 +66,14 @@ def soak(folder: Path, seed: int, minutes: float, extras: Extras, say: Callable[
     result = SoakResult(facts, found, slopes(curves.samples), faults, waits_of(events), extras.missing())
     say(f"report: {write_report(folder, result, curves.samples, curves.disk)}")
     return result
+
+
+def _keep_logs(runs: Path, folder: Path) -> None:
+    """Copy the logs of stages from the home, which may lie on a disk that goes with the soak."""
+    folder.mkdir()
+    for log in runs.glob("*/stage.log"):
+        with contextlib.suppress(FileNotFoundError):
+            shutil.copy(log, folder / f"{log.parent.name}.log")
 
 
 def _suffer(service: SoakedService, board: Board, seed: int, seconds: float) -> dict[str, int]:
