@@ -41,5 +41,5 @@ def test_a_slope_above_the_limit_is_too_steep() -> None:
 
 
 def test_a_new_process_is_a_new_life() -> None:
-    samples = [Sample(float(t), 1 if t < 150 else 2, 100.0 if t < 150 else 900.0, 9, 3, 2) for t in range(300)]
+    samples = [Sample(float(t), 1 if t < 200 else 2, 100.0 if t < 200 else 900.0, 9, 3, 2) for t in range(400)]
     assert {slope.measure: slope.per_minute for slope in slopes({"api": samples})} == dict.fromkeys(LIMITS, 0.0)
