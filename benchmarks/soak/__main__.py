@@ -27,7 +27,9 @@ __all__ = ["main"]
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the soak and return the exit status: 1 where a promise was broken or something grew."""
     parser = argparse.ArgumentParser(prog="scripts/soak", description=__doc__)
-    parser.add_argument("--minutes", metavar="N", type=float, default=5.0, help="of faults (default: 5)")
+    parser.add_argument(
+        "--minutes", metavar="N", type=float, default=5.0, help="of faults (default: 5; 8 show leaks of memory)"
+    )
     parser.add_argument("--seed", metavar="S", type=int, default=1, help="decides faults and requests (default: 1)")
     parser.add_argument("--out", metavar="FOLDER", type=Path, help="new folder of the report (default: temporary)")
     parser.add_argument("--old-workers", metavar="REVISION", default="", help="let one worker be of this revision")

@@ -41,5 +41,11 @@ def test_a_slope_above_the_limit_is_too_steep() -> None:
 
 
 def test_a_new_process_is_a_new_life() -> None:
-    samples = [Sample(float(t), 1 if t < 200 else 2, 100.0 if t < 200 else 900.0, 9, 3, 2) for t in range(400)]
+    samples = [Sample(float(t), 1 if t < 250 else 2, 100.0 if t < 250 else 900.0, 9, 3, 2) for t in range(500)]
     assert {slope.measure: slope.per_minute for slope in slopes({"api": samples})} == dict.fromkeys(LIMITS, 0.0)
+
+
+def test_memory_needs_a_longer_life() -> None:
+    samples = [Sample(float(t), 1, 100.0, 9, 3, 2) for t in range(200)]
+    found = {slope.measure: slope.per_minute for slope in slopes({"api": samples})}
+    assert found == dict.fromkeys(LIMITS, 0.0) | {"memory": None}
