@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import errno
 import shutil
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -78,11 +79,11 @@ def _require_memory(size: TrainingSize, config: RunConfig, need: TrainingNeed, l
 def _require_disk(size: TrainingSize, config: RunConfig, need: TrainingNeed, folder: RunFolder) -> None:
     place = next(path for path in (folder.path, *folder.path.absolute().parents) if path.exists())
     try:
-        free = shutil.disk_usage(place).free - _SPARE
+        usage = shutil.disk_usage(place)
         there = sum(file.stat().st_size for file in folder.pictures.glob("*/*.rgb"))
     except OSError as error:
         raise as_input_error(error, place) from error
-    room = max(0, free + there)
+    room = max(0, usage.free - _SPARE + there)
     if need.disk <= room:
         return
     problem = f"the training needs {disk_words(need.disk)} of disk, and {disk_words(room)} are free in {place}"
@@ -96,7 +97,9 @@ def _require_disk(size: TrainingSize, config: RunConfig, need: TrainingNeed, fol
         if tried.disk <= room:
             cures.insert(0, f"{option} needs {disk_words(tried.disk)}")
             break
-    raise InputError.of_field(field, problem, ", or ".join(cures))
+    passes = need.disk <= usage.total - _SPARE  # others fill the disk: a job waits for them
+    full = OSError(errno.ENOSPC, problem, str(place)) if passes else None
+    raise InputError.of_field(field, problem, ", or ".join(cures)) from full
 
 
 def _with_less_memory(size: TrainingSize, config: RunConfig) -> Iterator[tuple[str, str, TrainingNeed]]:

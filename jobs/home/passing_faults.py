@@ -52,7 +52,7 @@ def passing_fault(error: BaseException) -> PassingFault | None:
             return PassingFault(f"the store fails: {one_line(_TOOK.sub('', str(cause)))}", Cause.STORE)
         if isinstance(cause, OSError) and cause.errno in _PASSING:
             where = f"{cause.filename}: " if cause.filename else ""
-            return PassingFault(one_line(f"{where}{os.strerror(cause.errno)}"))
+            return PassingFault(one_line(f"{where}{cause.strerror or os.strerror(cause.errno)}"))
     return None
 
 

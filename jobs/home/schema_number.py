@@ -10,9 +10,9 @@ from jobs.home.home import Home
 
 __all__ = ["SCHEMA", "note_schema", "require_known_schema"]
 
-# Raise it whenever rows mean something else, or a worker of the version before could not go on with them. A column that
-# older software may leave at its default needs no new number.
-SCHEMA = 1
+# Raise it whenever rows mean something else, a column is gone or renamed, or a worker of the version before could not
+# go on with them. A column that older software may leave at its default needs no new number.
+SCHEMA = 2
 
 _metadata = sa.MetaData()
 _schema = sa.Table("hgs_schema", _metadata, sa.Column("number", sa.Integer, primary_key=True))  # one row

@@ -11,6 +11,7 @@ from urllib.parse import quote
 
 from fastapi import FastAPI, Request, Response
 from fastapi.exceptions import RequestValidationError
+from obstore.exceptions import BaseError
 from sqlalchemy.exc import OperationalError
 from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect, HTTPConnection
@@ -71,6 +72,12 @@ def install_problem_handlers(app: FastAPI) -> None:
         log.error("the job database does not respond: %s", error.orig)
         detail = "the job database cannot be reached; try again later"
         return problem_response(request, ProblemError(503, "queue-unavailable", detail, headers={"Retry-After": "5"}))
+
+    @app.exception_handler(BaseError)
+    def on_store(request: Request, error: BaseError) -> Response:
+        log.error("the store does not answer: %s", str(error).partition("\n")[0])
+        detail = "the store of scenes cannot be reached; try again later"
+        return problem_response(request, ProblemError(503, "store-unavailable", detail, headers={"Retry-After": "5"}))
 
     @app.exception_handler(ClientDisconnect)
     def on_disconnect(request: Request, error: ClientDisconnect) -> Response:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import errno
 import re
 import shutil
 from pathlib import Path
@@ -58,8 +59,9 @@ def large(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module.TrainingSize, "of", lambda capture, config: LARGE)
 
 
-def with_disk(monkeypatch: pytest.MonkeyPatch, free: float) -> None:
-    monkeypatch.setattr(module.shutil, "disk_usage", lambda path: SimpleNamespace(free=int(free) + (1 << 28)))
+def with_disk(monkeypatch: pytest.MonkeyPatch, free: float, total: float | None = None) -> None:
+    usage = SimpleNamespace(free=int(free) + (1 << 28), total=int(free if total is None else total) + (1 << 28))
+    monkeypatch.setattr(module.shutil, "disk_usage", lambda path: usage)
 
 
 def test_the_need_of_a_run_that_fits_is_kept_in_its_folder(run: Path) -> None:
@@ -132,3 +134,14 @@ def test_a_trained_run_needs_nothing(run: Path, monkeypatch: pytest.MonkeyPatch)
     RunFolder(run).train_summary.write_text("{}")
     monkeypatch.setenv("HGS_MEMORY_MIB", "1")
     assert require_room(run) is None
+
+
+@pytest.mark.parametrize(("share", "waits"), [(1.1, True), (0.9, False)])
+def test_a_disk_that_others_have_filled_may_be_waited_for(
+    run: Path, monkeypatch: pytest.MonkeyPatch, share: float, waits: bool
+) -> None:
+    disk = needed(run).disk
+    with_disk(monkeypatch, disk / 2, disk * share)
+    with pytest.raises(InputError) as refused:
+        require_room(run)
+    assert (getattr(refused.value.__cause__, "errno", None) == errno.ENOSPC) is waits

@@ -82,3 +82,10 @@ def test_long_messages_are_cut() -> None:
     assert one_line("a\n b") == "a b"
     assert one_line("first\n\nsecond") == "first"
     assert one_line("x" * 1000) == "x" * 198 + " …"
+
+
+def test_an_error_with_words_of_its_own_keeps_them() -> None:
+    assert (
+        reason_of(OSError(errno.ENOSPC, "2 GB are needed, 1 GB is free", "/data"))
+        == "/data: 2 GB are needed, 1 GB is free"
+    )

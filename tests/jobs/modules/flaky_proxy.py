@@ -1,10 +1,11 @@
-"""A TCP proxy in front of a server that shall be away for a while: nobody answers, or nothing comes back."""
+"""A TCP proxy in front of a server that shall be away for a while, or far: answers fail, come late or not at all."""
 
 from __future__ import annotations
 
 import contextlib
 import socket
 import threading
+import time
 
 
 class FlakyProxy:
@@ -14,6 +15,7 @@ class FlakyProxy:
         self._target = port
         self._host = host
         self._hanging = False
+        self._late = 0.0  # seconds
         self._open: set[socket.socket] = set()
         self._listener = self._listen(0)
         self.port = self._listener.getsockname()[1]
@@ -32,8 +34,17 @@ class FlakyProxy:
         self._hanging = True
         self._break_all()
 
+    def answer_late(self, seconds: float) -> None:
+        """Bring every piece of an answer so much later."""
+        self._late = seconds
+
+    def drop(self) -> None:
+        """Break the connections that there are."""
+        self._break_all()
+
     def pass_on(self) -> None:
         """Work again."""
+        self._late = 0.0
         if self._listener.fileno() < 0:
             self._listener = self._listen(self.port)
         elif self._hanging:
@@ -60,12 +71,14 @@ class FlakyProxy:
                 client.close()
                 continue
             self._open.add(server)
-            for source, sink in ((client, server), (server, client)):
-                threading.Thread(target=self._pump, args=(source, sink), daemon=True).start()
+            for source, sink, answers in ((client, server, False), (server, client, True)):
+                threading.Thread(target=self._pump, args=(source, sink, answers), daemon=True).start()
 
-    def _pump(self, source: socket.socket, sink: socket.socket) -> None:
+    def _pump(self, source: socket.socket, sink: socket.socket, answers: bool) -> None:
         with contextlib.suppress(OSError):
             while data := source.recv(1 << 16):
+                if answers and self._late:
+                    time.sleep(self._late)
                 sink.sendall(data)
         for end in (source, sink):
             with contextlib.suppress(OSError):

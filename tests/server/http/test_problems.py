@@ -9,6 +9,7 @@ from typing import Any
 import httpx
 import pytest
 from fastapi import FastAPI
+from obstore.exceptions import GenericError
 from sqlalchemy.exc import OperationalError
 from starlette.requests import ClientDisconnect
 
@@ -87,6 +88,14 @@ def test_a_database_that_does_not_answer_is_503_and_logged(caplog: pytest.LogCap
     assert "SELECT" not in told(answer, 503, "queue-unavailable")
     assert answer.headers["retry-after"] == "5"
     assert "connection refused" in caplog.text
+
+
+def test_a_store_that_does_not_answer_is_503_and_logged_in_one_line(caplog: pytest.LogCaptureFixture) -> None:
+    answer = answer_to(GenericError("Generic S3 error: connection refused\n\nDebug source:\nGeneric {"))
+    assert "S3" not in told(answer, 503, "store-unavailable")
+    assert answer.headers["retry-after"] == "5"
+    assert "connection refused" in caplog.text
+    assert "Debug source" not in caplog.text
 
 
 @pytest.mark.parametrize("code", [errno.ENOSPC, errno.EDQUOT])
