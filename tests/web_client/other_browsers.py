@@ -141,7 +141,7 @@ def _webkit(display: str, folder: Path) -> Iterator[DrivenPage]:
 
 
 def _firefox_path() -> str | None:
-    return shutil.which("firefox-esr") or shutil.which("firefox")
+    return shutil.which("firefox-esr")
 
 
 def _webkit_path() -> str | None:

@@ -64,7 +64,7 @@ def show(page: DrivenPage, address: str) -> DrivenPage:
 def test_canvas_shows_the_reference_picture(page: DrivenPage, site: Site, reference: Reference, camera: str) -> None:
     show(page, exact(site, camera, 0.4))
     floats, canvas = (psnr(take(page), reference(camera, 0.4)) for take in (canvas_floats, canvas_pixels))
-    print(f"{page.name} {page.version}, {camera}: float picture {floats:.1f} dB, canvas {canvas:.1f} dB")
+    print(f"{page.name} {page.version}, {camera}, 0.4 s: float picture {floats:.1f} dB, canvas {canvas:.1f} dB")
     assert floats >= FLOAT_PSNR
     assert canvas >= CANVAS_PSNR
 
