@@ -43,7 +43,7 @@ return Services.console.getMessageArray()
 
 @dataclass(frozen=True)
 class DrivenPage:
-    """A browser's one page, with Playwright's names for what tests do with it."""
+    """A page of a browser, with the method names of Playwright's pages."""
 
     name: str
     version: str
@@ -86,7 +86,7 @@ def xvfb() -> Iterator[str]:
 @contextmanager
 def _firefox(display: str, folder: Path) -> Iterator[DrivenPage]:
     preferences = {
-        "gfx.webrender.all": False,  # by OpenGL in software, WebGL 2 is refused
+        "gfx.webrender.all": False,  # a compositor on OpenGL in software, with which WebGL 2 is refused
         "gfx.webrender.software": True,
         "webgl.force-enabled": True,
     }
