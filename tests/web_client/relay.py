@@ -1,4 +1,4 @@
-"""A relay between a browser and a server, which counts bytes and can hold an answer back."""
+"""A relay between a browser and a server, which counts bytes and can hold an answer back or cut it off."""
 
 from __future__ import annotations
 
@@ -26,6 +26,7 @@ class Relay(socketserver.ThreadingTCPServer):
         self.received: Counter[str] = Counter()  # bytes of the answers by path, with their headers
         self.overdue: list[str] = []  # paths of answers that were held a minute, in vain
         self._holding: dict[str, str] = {}
+        self._cutting: dict[str, int] = {}
         self._news = threading.Condition()
 
     @property
@@ -35,6 +36,17 @@ class Relay(socketserver.ThreadingTCPServer):
     def hold(self, answer: str, until: str) -> None:
         """Hold back the answer for a path that has `answer` in it until one with `until` in it has been asked for."""
         self._holding[answer] = until
+
+    def cut(self, answer: str, after: int) -> None:
+        """Close the connection of the first answer for a path that has `answer` in it, after so many bytes."""
+        self._cutting[answer] = after
+
+    def cuts(self, path: str) -> bool:
+        """Return whether the connection of an answer for the path is to be closed now; once."""
+        due = [answer for answer, after in self._cutting.items() if answer in path and self.received[path] > after]
+        for answer in due:
+            del self._cutting[answer]
+        return bool(due)
 
     def note(self, path: str) -> None:
         with self._news:
@@ -69,6 +81,9 @@ class _Connection(socketserver.BaseRequestHandler):
         while data := _receive(upstream):
             self.server.release(path())
             self.server.received[path()] += len(data)
+            if self.server.cuts(path()):
+                self.request.shutdown(socket.SHUT_RDWR)
+                return
             try:
                 self.request.sendall(data)
             except OSError:
