@@ -15,6 +15,7 @@ from av.video.reformatter import ColorRange, Colorspace
 from PIL import Image
 
 from hgs_core.base.errors import InputError
+from hgs_core.capture.files.container import new_container
 from hgs_core.film.film_sound import SAMPLE_RATE
 
 __all__ = ["FilmFile", "film_file", "png_folder"]
@@ -47,11 +48,10 @@ def film_file(
     """
     web = path.suffix == ".webm"
     codec = "libvpx-vp9" if web else "libx264"
+    muxer, options = ("webm", {}) if web else ("mp4", {"movflags": "faststart"})
     part = path.with_name(f".{path.name}.part")
     try:
-        with av.open(
-            str(part), "w", format="webm" if web else "mp4", options={} if web else {"movflags": "faststart"}
-        ) as out:
+        with new_container(part, muxer, options) as out:
             video = out.add_stream(codec, rate=rate)
             assert isinstance(video, av.VideoStream)
             video.width, video.height = size

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import io
-
 import av
 import numpy as np
 import numpy.typing as npt
 
 from hgs_core.base.errors import InputError
+from hgs_core.capture.files.container import open_sound_piece
 from hgs_core.codec.format.audio import AudioPiece, CodedAudio
 
 __all__ = ["SAMPLE_RATE", "film_sound"]
@@ -58,7 +57,7 @@ def _decoded(data: bytes, piece: AudioPiece, codec: str, channels: int) -> npt.N
     resampler = av.AudioResampler(format="fltp", layout=_LAYOUTS[channels], rate=SAMPLE_RATE)
     parts = []
     try:
-        with av.open(io.BytesIO(data), "r", format=_CONTAINERS[codec]) as container:
+        with open_sound_piece(data, _CONTAINERS[codec]) as container:
             for frame in container.decode(audio=0):
                 frame.pts = None  # the resampler would fill what the codec's delay leaves out
                 parts += [part.to_ndarray() for part in resampler.resample(frame)]

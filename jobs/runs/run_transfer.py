@@ -193,7 +193,8 @@ class RunState:
 def bring(
     stored: StoredRun, files: Mapping[str, StoredFile], folder: Path, translate: Translation | None = None
 ) -> None:
-    """Write files into a folder, each whole or not at all; a download that was cut off goes on."""
+    """Write files into a folder, made if need be, each whole or not at all; a download that was cut off goes on."""
+    folder.mkdir(parents=True, exist_ok=True)
 
     def one(item: tuple[str, StoredFile]) -> None:
         name, file = item

@@ -7,17 +7,19 @@ only demuxers of this module's list are tried, files are named by their whole pa
 
 from __future__ import annotations
 
+import io
 import re
 import shlex
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from hgs_core.base.errors import InputError
 
 if TYPE_CHECKING:
-    from av.container import InputContainer
+    from av.container import InputContainer, OutputContainer
 
-__all__ = ["is_bare", "open_container"]
+__all__ = ["is_bare", "new_container", "open_container", "open_sound_piece"]
 
 _STAMPED = "mov matroska avi mpegts mpeg mxf flv ogg asf rm gxf lxf dv nut ivf yuv4mpegpipe"
 _BARE = "h264 hevc vvc obu av1 mpegvideo m4v h263 vc1 mjpeg"
@@ -66,6 +68,32 @@ def open_container(path: Path) -> InputContainer:
     except av.error.ArgumentError as error:
         problem = "is in none of the formats that videos and sound are read from"
         raise InputError(path, problem, f"export it as MP4: ffmpeg -i {shlex.quote(str(path))} NEW.mp4") from error
+
+
+def open_sound_piece(data: bytes, form: str) -> InputContainer:
+    """Return an open piece of a scene's sound; the caller closes it.
+
+    Args:
+        data: whole file.
+        form: its demuxer, "ogg" or "aac"; no other is tried.
+
+    Raises:
+        av.FFmpegError: the data are of another format, or damaged.
+    """
+    import av
+
+    return av.open(io.BytesIO(data), "r", format=form, options={"protocol_whitelist": ""})
+
+
+def new_container(path: Path, form: str, options: Mapping[str, str]) -> OutputContainer:
+    """Return a new video file, open for writing by the muxer `form`; the caller closes it.
+
+    Raises:
+        OSError: it cannot be written.
+    """
+    import av
+
+    return av.open(f"file:{path.absolute()}", "w", format=form, options=dict(options))
 
 
 def is_bare(container: InputContainer) -> bool:

@@ -12,7 +12,7 @@ from obstore.store import MemoryStore, ObjectStore
 
 from hgs_core.base.errors import InputError
 from jobs.runs.capture_places import Translation
-from jobs.runs.run_transfer import RunState
+from jobs.runs.run_transfer import RunState, bring
 from jobs.runs.stored_run import RunTakenError, StoredRun
 
 State = Callable[..., RunState]
@@ -50,6 +50,20 @@ def test_another_machine_goes_on_from_what_was_saved(state: State, tmp_path: Pat
     found = {path.relative_to(tmp_path / "two").as_posix() for path in (tmp_path / "two").rglob("*") if path.is_file()}
     assert found == {"run.json", "checkpoint.pt", "scene/chunks/a", ".epoch"}
     assert (tmp_path / "two" / "checkpoint.pt").read_text() == "10"
+
+
+def test_files_are_brought_into_a_folder_that_is_not_there_yet(
+    state: State, store: ObjectStore, tmp_path: Path
+) -> None:
+    first = state("one", 1)
+    first.claim()
+    (tmp_path / "one" / "train.json").write_text("10")
+    first.save()
+    stored = StoredRun(store, "runs/a")
+    head = stored.head()
+    assert head is not None
+    bring(stored, {"train.json": head.files["train.json"]}, tmp_path / "new" / "run")
+    assert (tmp_path / "new" / "run" / "train.json").read_text() == "10"
 
 
 def test_who_had_the_run_before_can_save_no_more(state: State, tmp_path: Path) -> None:

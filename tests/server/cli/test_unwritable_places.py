@@ -29,6 +29,8 @@ import {splats} --out {free} --json {out}
 export {run} --to {out}.ply
 export {run} --to {out}
 export {run} --to {free}.ply --json {out}
+render {run} --out {out}.mp4
+render {run} --out {out}
 play http://127.0.0.1:9/view/x --stats --patience 0 --json {out}
 ablate {capture} --out {out} --hold-out 1
 ablate {capture} --out {free} --hold-out 1 --json {out}
