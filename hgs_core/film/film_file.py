@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from fractions import Fraction
@@ -73,15 +74,23 @@ def film_file(
 
 @contextmanager
 def png_folder(path: Path) -> Iterator[FilmFile]:
-    """Open a film of PNG pictures, PATH/000000.png and so on, in a folder that is new or empty.
+    """Open a film of PNG pictures, PATH/000000.png and so on; the folder appears when it is whole.
 
     Raises:
-        InputError: the folder holds files.
+        InputError: there is such a folder already, and it holds files.
     """
     if path.exists() and any(path.iterdir()):
         raise InputError(path, "holds files already", "give a new or an empty folder")
-    path.mkdir(parents=True, exist_ok=True)
-    yield _PngFolder(path)
+    part = path.with_name(f".{path.name}.part")
+    shutil.rmtree(part, ignore_errors=True)
+    part.mkdir(parents=True)
+    try:
+        yield _PngFolder(part)
+        if path.exists():
+            path.rmdir()
+        part.replace(path)
+    finally:
+        shutil.rmtree(part, ignore_errors=True)
 
 
 class _PngFolder:

@@ -50,9 +50,12 @@ def test_webm_keeps_alpha(tmp_path: Path) -> None:
     assert alpha[:, 40:].min() > 240
 
 
-def test_a_film_that_fails_leaves_nothing(tmp_path: Path) -> None:
+@pytest.mark.parametrize("pictures", [True, False])
+def test_a_film_that_fails_leaves_nothing(pictures: bool, tmp_path: Path) -> None:
+    video = film_file(tmp_path / "x.mp4", (64, 48), RATE, None, alpha=False)
+
     def fail() -> None:
-        with film_file(tmp_path / "x.mp4", (64, 48), RATE, None, alpha=False) as film:
+        with png_folder(tmp_path / "x") if pictures else video as film:
             film.add(SQUARE[..., :3].copy())
             raise RuntimeError("enough")
 
@@ -67,6 +70,12 @@ def test_pictures_of_a_folder_are_exact(tmp_path: Path) -> None:
         film.add(SQUARE)
     assert sorted(path.name for path in (tmp_path / "frames").iterdir()) == ["000000.png", "000001.png"]
     np.testing.assert_array_equal(np.asarray(Image.open(tmp_path / "frames" / "000001.png")), SQUARE)
+
+
+def test_pictures_go_into_an_empty_folder(tmp_path: Path) -> None:
+    with png_folder(tmp_path) as film:
+        film.add(SQUARE)
+    assert [path.name for path in tmp_path.iterdir()] == ["000000.png"]
 
 
 def test_a_folder_that_holds_files_is_left_alone(tmp_path: Path) -> None:
