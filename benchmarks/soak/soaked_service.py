@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 import os
-import socket
 import subprocess
 import sys
 import time
@@ -22,7 +21,7 @@ from hgs_core.base.own_modules import module_command
 from jobs.home.home import Home
 from jobs.records.keys import KeyTable, Scope
 from tests.jobs.modules.flaky_proxy import FlakyProxy
-from tests.jobs.modules.postgres_server import PostgresServer
+from tests.jobs.modules.postgres_server import PostgresServer, free_port
 from tests.jobs.modules.s3_server import S3Server
 
 __all__ = ["Extras", "SoakedService"]
@@ -68,7 +67,7 @@ class SoakedService:
         self.database: PostgresServer
         self._clock_library: Path
         self._s3 = S3Server()
-        self._port = _free_port()
+        self._port = free_port("127.0.0.1")
         self._stack = ExitStack()
 
     def __enter__(self) -> Self:
@@ -181,10 +180,3 @@ class SoakedService:
                 return
             time.sleep(0.2)
         raise TimeoutError(f"the API does not answer; see {self.folder}/api.log")
-
-
-def _free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port: int = probe.getsockname()[1]
-        return port

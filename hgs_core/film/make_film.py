@@ -9,9 +9,8 @@ from contextlib import AbstractContextManager
 from fractions import Fraction
 from pathlib import Path
 
-import numpy as np
-import numpy.typing as npt
 import torch
+from torch import Tensor
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback, silent
@@ -21,7 +20,7 @@ from hgs_core.film.camera_path import CameraPath
 from hgs_core.film.film_file import FilmFile, film_file, png_folder
 from hgs_core.film.film_sound import film_sound
 from hgs_core.film.ready_paths import start_camera
-from hgs_core.render.scene_picture import scene_picture
+from hgs_core.render.scene_picture import pixels_of, scene_picture
 from hgs_core.render.threads import one_torch_thread
 from hgs_core.render.types import Render
 
@@ -101,7 +100,8 @@ def make_film(
             seconds = start + float(number / rate)
             camera = path.camera(seconds, size, manifest.up, near)
             moment = min(max(seconds, manifest.start), manifest.end)
-            film.add(_pixels(scene_picture(splats, camera, moment, rig=manifest.rig), alpha=alpha))
+            drawn = scene_picture(splats, camera, moment, rig=manifest.rig)
+            film.add(pixels_of(_with_alpha(drawn) if alpha else drawn.rgb))
             progress(Progress("render", number + 1, count))
     return count
 
@@ -116,10 +116,6 @@ def _require(kind: FilmFormat, size: tuple[int, int], alpha: bool) -> None:
         raise InputError("--alpha", "is not kept by .mp4", "name a .webm or a folder of PNG pictures")
 
 
-def _pixels(drawn: Render, *, alpha: bool) -> npt.NDArray[np.uint8]:
-    """Return the picture [H, W, 3 or 4]; the colours of a picture with alpha are not multiplied by it."""
-    rgb = drawn.rgb
-    if alpha:
-        rgb = torch.cat((rgb / drawn.alpha.clamp_min(1 / 255), drawn.alpha[None]))
-    pixels: npt.NDArray[np.uint8] = (rgb.clamp(0, 1) * 255).round().to(torch.uint8).permute(1, 2, 0).numpy()
-    return np.ascontiguousarray(pixels)
+def _with_alpha(drawn: Render) -> Tensor:
+    """Return the picture [4, H, W] with alpha, by which its colours are not multiplied."""
+    return torch.cat((drawn.rgb / drawn.alpha.clamp_min(1 / 255), drawn.alpha[None]))

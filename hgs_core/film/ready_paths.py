@@ -38,7 +38,6 @@ def orbit_path(manifest: Manifest) -> CameraPath:
         raise InputError("--path", "the start camera stands above or below the scene's centre", "give a path file")
     space = manifest.captured_space or _around(level / np.linalg.norm(level))
     here = space.place(camera.position, manifest.center, manifest.up)
-    front, aside = np.array(space.front), np.cross(up, space.front)
     keys = []
     for step in range(_KEYS + 1):
         share = step / _KEYS
@@ -46,10 +45,8 @@ def orbit_path(manifest: Manifest) -> CameraPath:
         ahead = math.remainder(azimuth, 2 * math.pi)
         elevation = float(np.clip(here.elevation, *space.elevations(ahead)))
         distance = float(np.clip(here.distance, *space.distances(ahead, elevation)))
-        flat = math.cos(azimuth) * front + math.sin(azimuth) * aside
-        direction = math.cos(elevation) * flat + math.sin(elevation) * up
         time = manifest.start + share * _seconds(manifest)
-        position = _triple(np.array(manifest.center) + distance * direction)
+        position = _triple(np.array(manifest.center) + distance * space.direction(azimuth, elevation, up))
         keys.append(KeyFrame(time, position, manifest.center, vertical_fov(camera)))
     return CameraPath(tuple(keys))
 

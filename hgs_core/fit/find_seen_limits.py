@@ -90,11 +90,8 @@ def limits_where(
 
 def view_from(space: CapturedSpace, place: Place, center: Triple, up: Triple, like: Camera) -> Camera:
     """Return an upright camera at a place, which looks at the centre; all but its pose is `like`'s."""
-    front, upward = np.array(space.front), np.array(up)
-    elevation = min(max(place.elevation, -POLE), POLE)
-    ahead = math.cos(place.azimuth) * front + math.sin(place.azimuth) * np.cross(upward, front)
-    forward = -(math.cos(elevation) * ahead + math.sin(elevation) * upward)
-    pose = looking_at(np.array(center) - place.distance * forward, center, up=up)
+    direction = space.direction(place.azimuth, min(max(place.elevation, -POLE), POLE), up)
+    pose = looking_at(np.array(center) + place.distance * direction, center, up=up)
     return dataclasses.replace(like, world_to_camera=pose, cx=like.width / 2, cy=like.height / 2)
 
 

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+import numpy.typing as npt
+import torch
 from torch import Tensor
 
 from hgs_core.render.rasterize import rasterize
@@ -11,7 +14,7 @@ from hgs_core.render.types import Render
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import HybridScene
 
-__all__ = ["scene_picture"]
+__all__ = ["pixels_of", "scene_picture"]
 
 
 def scene_picture(
@@ -40,3 +43,9 @@ def scene_picture(
         depth=depth,
         rig=rig,
     )
+
+
+def pixels_of(planes: Tensor) -> npt.NDArray[np.uint8]:
+    """Return a picture [channels, H, W] as 8-bit pixels [H, W, channels]; values are limited to 0 to 1."""
+    levels = (planes.clamp(0, 1) * 255).round().to(torch.uint8)
+    return np.ascontiguousarray(levels.permute(1, 2, 0).cpu().numpy())

@@ -9,7 +9,7 @@ import numpy as np
 import torch
 from PIL import Image
 
-from hgs_core.render.scene_picture import scene_picture
+from hgs_core.render.scene_picture import pixels_of, scene_picture
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import HybridScene
 
@@ -32,7 +32,6 @@ def thumbnail_size(camera: Camera) -> Camera:
 
 def as_jpeg(rgb: torch.Tensor) -> bytes:
     """Return a picture [3, H, W] of sRGB in [0, 1] as a JPEG file."""
-    pixels = (rgb.clamp(0, 1) * 255).round().to(torch.uint8).permute(1, 2, 0).contiguous().cpu().numpy()
     file = io.BytesIO()
-    Image.fromarray(pixels).save(file, "JPEG", quality=_QUALITY)
+    Image.fromarray(pixels_of(rgb)).save(file, "JPEG", quality=_QUALITY)
     return file.getvalue()

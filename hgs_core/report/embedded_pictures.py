@@ -7,21 +7,14 @@ import io
 
 import numpy as np
 import numpy.typing as npt
-import torch
 from PIL import Image
-from torch import Tensor
 
-__all__ = ["Bytes", "data_uri", "pixels_of", "reduced", "reduced_size"]
+__all__ = ["Bytes", "data_uri", "reduced", "reduced_size"]
 
 Bytes = npt.NDArray[np.uint8]
 
 _WIDTH = 640  # pixels, at most
 _JPEG_QUALITY = 86  # JPEG
-
-
-def pixels_of(planes: Tensor) -> Bytes:
-    """Return a picture [3, H, W] in [0, 1] as 8-bit pixels [H, W, 3]."""
-    return np.ascontiguousarray((planes * 255).round().to(torch.uint8).permute(1, 2, 0).numpy())
 
 
 def reduced_size(width: int, height: int) -> tuple[int, int]:

@@ -14,9 +14,9 @@ from hgs_core.capture.capture import Capture
 from hgs_core.codec import Manifest, decode_scene
 from hgs_core.evaluate.magnified import WALKS, depth_of_movers, walked
 from hgs_core.metrics.psnr import psnr
-from hgs_core.render.scene_picture import scene_picture
+from hgs_core.render.scene_picture import pixels_of, scene_picture
 from hgs_core.render.threads import one_torch_thread
-from hgs_core.report.embedded_pictures import data_uri, pixels_of, reduced, reduced_size
+from hgs_core.report.embedded_pictures import data_uri, reduced, reduced_size
 from hgs_core.report.sources import FinishedRun
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import HybridScene

@@ -18,8 +18,9 @@ from hgs_core.capture.capture import Capture
 from hgs_core.codec import decode_scene
 from hgs_core.metrics.psnr import psnr
 from hgs_core.render.fixed_view import FixedView
+from hgs_core.render.scene_picture import pixels_of
 from hgs_core.render.threads import one_torch_thread
-from hgs_core.report.embedded_pictures import Bytes, data_uri, pixels_of, reduced, reduced_size
+from hgs_core.report.embedded_pictures import Bytes, data_uri, reduced, reduced_size
 from hgs_core.report.error_colours import error_picture
 from hgs_core.report.sources import FinishedRun
 from hgs_core.scene.splats import HybridScene

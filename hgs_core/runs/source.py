@@ -21,7 +21,7 @@ from hgs_core.runs.run_folder import RunFolder
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import HybridScene
 
-__all__ = ["Source", "open_source"]
+__all__ = ["Source", "encoded_scene", "open_source"]
 
 
 @dataclass(frozen=True)
@@ -85,11 +85,27 @@ def open_source(path: Path) -> Source:
     Raises:
         InputError: it is neither, or damaged.
     """
-    if (path / MANIFEST).is_file():
-        manifest, scene = load_manifest(path), decode_scene(path)
-    else:
-        folder = RunFolder(path)
-        if not folder.trained.is_file() or not folder.manifest.is_file():
-            raise InputError(path, "is neither a finished run nor a scene folder", "give what hgs train has finished")
-        manifest, scene = load_manifest(folder.manifest), trained_scene(folder)
+    folder = encoded_scene(path)
+    if folder != path and not RunFolder(path).trained.is_file():
+        raise _unfinished(path)
+    manifest = load_manifest(folder)
+    scene = decode_scene(path) if folder == path else trained_scene(RunFolder(path))
     return Source(scene, manifest.cameras, manifest.frame_rate, manifest.photographed)
+
+
+def encoded_scene(path: Path) -> Path:
+    """Return the folder of an encoded scene: `path` itself, or that of a run.
+
+    Raises:
+        InputError: it is neither.
+    """
+    if (path / MANIFEST).is_file():
+        return path
+    folder = RunFolder(path)
+    if not folder.manifest.is_file():
+        raise _unfinished(path)
+    return folder.scene
+
+
+def _unfinished(path: Path) -> InputError:
+    return InputError(path, "is neither a finished run nor a scene folder", "give what hgs train has finished")

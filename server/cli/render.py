@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import math
 import re
 from collections.abc import Callable
 from fractions import Fraction
@@ -45,11 +44,12 @@ def add_parser(commands: Any) -> None:
 
 def _run(options: argparse.Namespace) -> int:
     from hgs_core.film import FilmFormat, make_film
+    from hgs_core.runs.source import encoded_scene
 
     size, rate = _size(options.size), None if options.fps is None else _rate(options.fps)
     folder = FilmFormat.of(options.out) is FilmFormat.PNG_FOLDER
     (require_writable_folder if folder else require_writable_file)(options.out)
-    scene = _scene(options.source)
+    scene = encoded_scene(options.source)
     path = _path(options.path, scene)
     with ProgressBars() as bars:
         make_film(
@@ -64,19 +64,6 @@ def _run(options: argparse.Namespace) -> int:
         )
     print(options.out)
     return 0
-
-
-def _scene(source: Path) -> Path:
-    """Return the folder of the encoded scene."""
-    from hgs_core.codec.format.scene_folder import MANIFEST
-    from hgs_core.runs.run_folder import RunFolder
-
-    if (source / MANIFEST).is_file():
-        return source
-    folder = RunFolder(source)
-    if not folder.manifest.is_file():
-        raise InputError(source, "is neither a finished run nor a scene folder", "give what hgs train has finished")
-    return folder.manifest.parent
 
 
 def _path(given: str, scene: Path) -> Any:
@@ -99,6 +86,6 @@ def _rate(text: str) -> Fraction:
         rate = Fraction(text) if _RATE.fullmatch(text) else None
     except ZeroDivisionError:
         rate = None
-    if rate is None or not 0 < rate <= _MOST_FPS or not math.isfinite(rate):
+    if rate is None or not 0 < rate <= _MOST_FPS:
         raise InputError("--fps", f"{text!r} is no rate", f"give a number above 0, at most {_MOST_FPS}")
     return rate.limit_denominator(1001)

@@ -54,6 +54,12 @@ class CapturedSpace:
             math.atan2(aside, ahead), math.atan2(height, math.hypot(ahead, aside)), float(np.linalg.norm(offset))
         )
 
+    def direction(self, azimuth: float, elevation: float, up: npt.ArrayLike) -> npt.NDArray[np.float64]:
+        """Return the unit vector [3] from the centre to a place; `up` is a unit vector [3]. The inverse of `place`."""
+        upward, forward = np.asarray(up, np.float64), np.asarray(self.front)
+        ahead = math.cos(azimuth) * forward + math.sin(azimuth) * np.cross(upward, forward)
+        return np.asarray(math.cos(elevation) * ahead + math.sin(elevation) * upward)
+
     def holds(self, place: Place) -> bool:
         """Return whether a place is inside."""
         left, right = self.azimuths

@@ -5,10 +5,9 @@ from io import BytesIO
 
 import numpy as np
 import pytest
-import torch
 from PIL import Image
 
-from hgs_core.report.embedded_pictures import data_uri, pixels_of, reduced, reduced_size
+from hgs_core.report.embedded_pictures import data_uri, reduced, reduced_size
 
 
 @pytest.mark.parametrize(
@@ -22,12 +21,6 @@ def test_reduced_pictures_are_averages() -> None:
     stripes = np.zeros((4, 1280, 3), np.uint8)
     stripes[:, ::2] = 200
     assert (reduced(stripes) == 100).all()
-
-
-def test_planes_are_rounded_to_bytes() -> None:
-    planes = torch.tensor([0.0, 0.5, 1.0]).reshape(3, 1, 1).expand(3, 2, 4)
-    assert (pixels_of(planes) == (0, 128, 255)).all()
-    assert pixels_of(planes).shape == (2, 4, 3)
 
 
 def test_a_picture_survives_its_uri() -> None:

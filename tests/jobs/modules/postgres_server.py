@@ -35,7 +35,7 @@ class PostgresServer:
     def __init__(self, folder: Path, address: str = "") -> None:
         self._folder = folder
         self._address = address
-        self.port = _free_port(address) if address else 5432
+        self.port = free_port(address) if address else 5432
         self._user = "nobody" if os.geteuid() == 0 else None
         if self._user:
             shutil.chown(folder, self._user)
@@ -94,7 +94,8 @@ class PostgresServer:
         return True
 
 
-def _free_port(address: str) -> int:
+def free_port(address: str) -> int:
+    """Return a port of an address that nobody has."""
     with socket.socket() as probe:
         probe.bind((address, 0))
         port: int = probe.getsockname()[1]
