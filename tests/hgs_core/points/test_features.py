@@ -53,12 +53,26 @@ def test_a_look_alike_off_the_epipolar_line_is_no_match() -> None:
     assert len(matches) >= 38
 
 
-def test_a_spot_is_found_at_its_centre_with_pixel_centres_at_a_half() -> None:
-    """A Gaussian blob drawn around (40.5, 30.5): the middle of pixel (column 40, row 30)."""
-    y, x = np.mgrid[0:64, 0:80] + 0.5
-    blob = 40 + 180 * np.exp(-((x - 40.5) ** 2 + (y - 30.5) ** 2) / 18)
-    features = extract_features(np.repeat(blob[:, :, None], 3, 2).round().astype(np.uint8))
+def picture_of_spots(height: int, width: int, *spots: tuple[float, float, float]) -> np.ndarray:
+    """Return a picture [H, W, 3] of Gaussian spots (x, y, sigma), in pixels whose centres lie at a half."""
+    y, x = np.mgrid[0:height, 0:width] + 0.5
+    light = sum(180 * np.exp(-((x - u) ** 2 + (y - v) ** 2) / (2 * sigma**2)) for u, v, sigma in spots)
+    return np.repeat((40 + light)[:, :, None], 3, 2).round().astype(np.uint8)
+
+
+@pytest.mark.parametrize("size", [(64, 80), (900, 1200)])
+def test_a_spot_is_found_at_its_centre_with_pixel_centres_at_a_half(size: tuple[int, int]) -> None:
+    """The middle of pixel (column 40, row 30), in a small picture and in one that is halved."""
+    features = extract_features(picture_of_spots(*size, (40.5, 30.5, 5.0)))
     assert np.linalg.norm(features.xy - (40.5, 30.5), axis=1).min() < 0.15
+
+
+def test_a_large_picture_is_searched_for_what_half_of_it_shows() -> None:
+    coarse, fine = (40.5, 30.5), (600.5, 500.5)
+    picture = picture_of_spots(900, 1200, (*coarse, 5.0), (*fine, 1.3))
+    found = [extract_features(picture, fine=asked).xy for asked in (False, True)]
+    assert [np.linalg.norm(xy - coarse, axis=1).min() < 1.0 for xy in found] == [True, True]
+    assert [np.linalg.norm(xy - fine, axis=1).min() < 1.0 for xy in found] == [False, True]
 
 
 @pytest.mark.parametrize("mask", [None, "half"])
