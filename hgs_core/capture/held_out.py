@@ -10,12 +10,13 @@ import numpy as np
 from hgs_core.capture.capture_config import CaptureConfig
 from hgs_core.scene.camera import Camera
 
-__all__ = ["AUTO", "with_held_out"]
+__all__ = ["AUTO", "FEWEST_CAMERAS", "with_held_out"]
 
 AUTO = ("auto",)
 """The `hold_out` that stands for the camera that `with_held_out` chooses."""
 
-_FEWEST_CAMERAS = 6  # cameras of a capture that can spare one
+FEWEST_CAMERAS = 6
+"""Cameras of a capture that can spare one."""
 
 
 def with_held_out(config: CaptureConfig, cameras: Sequence[Camera]) -> CaptureConfig:
@@ -26,7 +27,7 @@ def with_held_out(config: CaptureConfig, cameras: Sequence[Camera]) -> CaptureCo
     """
     if config.hold_out != AUTO:
         return config
-    if len(cameras) < _FEWEST_CAMERAS:
+    if len(cameras) < FEWEST_CAMERAS:
         return dataclasses.replace(config, hold_out=())
     directions = np.array([camera.world_to_camera[2, :3] for camera in cameras])
     places = np.array([camera.position for camera in cameras])

@@ -37,6 +37,7 @@ class Outline:
     """An outline of a capture, without decoded pictures and without the checks of `load`."""
 
     cameras: tuple[str, ...]  # their names, in the order of the capture
+    first: Path  # the first camera's video, or its first picture
     frames: int | None = None  # None: not told without reading more
     seconds: float | None = None  # duration of the frames, if known
 
@@ -123,12 +124,13 @@ def outline(capture: Path, camera_format: CameraFormat, file: Path) -> Outline:
     matched = match_footage(capture, rig)
     first = matched.footage[0]
     if matched.kind == "photographs":
-        return Outline(matched.names, 1, 0.0)
+        return Outline(matched.names, first.files[0], 1, 0.0)
     if first.video:
         frames, rate = announced_length(first.files[0])
-        return Outline(matched.names, frames, frames / rate if frames is not None and rate is not None else None)
+        seconds = frames / rate if frames is not None and rate is not None else None
+        return Outline(matched.names, first.files[0], frames, seconds)
     rate = read_sync(capture).rate or rig.rate or _ASSUMED_RATE
-    return Outline(matched.names, len(first.files), len(first.files) / rate)
+    return Outline(matched.names, first.files[0], len(first.files), len(first.files) / rate)
 
 
 def _reader(name: str, footage: Footage, index: Path | None) -> VideoReader | PictureSequence:

@@ -15,7 +15,7 @@ from hgs_core.runs.run_config import RunConfig
 from hgs_core.runs.training_need import TrainingNeed
 from hgs_core.runs.training_size import SegmentSize, TrainingSize
 
-__all__ = ["COSTS", "MEMORY", "course_of_training", "memory_terms", "terms", "training_need"]
+__all__ = ["COSTS", "MEMORY", "course_of_training", "memory_terms", "scene_bytes", "terms", "training_need"]
 
 COSTS: Mapping[str, tuple[float, ...]] = {
     "sync": (0.024,),
@@ -46,6 +46,7 @@ _BESIDE_DISK = 256  # MiB of pictures in memory where the others lie on disk
 _PARTS = 50  # parts of the course of a training
 _PUBLISH = 2.0  # seconds
 
+_ENCODED_STATIC, _ENCODED_DYNAMIC = 10, 21  # bytes of a splat in the scenes of docs/benchmarks.md, within a fifth
 _PER_STATIC, _PER_DYNAMIC, _PER_MASK = 117, 259, 7000  # bytes on disk: a checkpoint's splat, the mask of a Mpx
 
 
@@ -66,6 +67,12 @@ def training_need(size: TrainingSize, config: RunConfig) -> TrainingNeed:
     masks = 0 if size.masked else size.training_cameras * size.frames * size.pixels / 1e6 * _PER_MASK
     splats = sum(_PER_STATIC * one.static + _PER_DYNAMIC * one.dynamic for one in size.segments)
     return TrainingNeed(memory, on_disk, round(masks + 2 * splats), found, course_of_training(size))
+
+
+def scene_bytes(size: TrainingSize) -> int:
+    """Return the bytes of a scene that fills its budgets of splats; segments share the static ones."""
+    dynamic = sum(one.dynamic for one in size.segments)
+    return _ENCODED_STATIC * size.segments[0].static + _ENCODED_DYNAMIC * dynamic
 
 
 def held_pictures(size: TrainingSize, config: RunConfig) -> float:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hgs_core.capture.capture import Capture
+from hgs_core.capture.held_out import FEWEST_CAMERAS
 from hgs_core.runs.run_config import RunConfig
 from hgs_core.train.segment_cuts import cut_into_segments
 
@@ -66,6 +67,34 @@ class TrainingSize:
             config.points.static,
             config.points.dynamic_in(capture.seconds),
             tuple(SegmentSize(*one) for one in budgets),
+            config.train.iterations,
+            config.train.coarse_until,
+            config.train.moving_steps,
+            config.encode.by_segment,
+        )
+
+    @classmethod
+    def announced(cls, cameras: int, frames: int, seconds: float, pixels: int, config: RunConfig) -> TrainingSize:
+        """Return the size of a training of a capture that is not open: `seconds` are those of all frames.
+
+        Its pictures have so many pixels, and no lens bends.
+        """
+        last = seconds * (frames - 1) / frames
+        every = int(np.clip(round(config.points.interval / last * (frames - 1)), 1, frames)) if frames > 1 else 1
+        segments = cut_into_segments(np.linspace(0, last, frames), config.train.segment_frames)
+        return cls(
+            cameras,
+            cameras - (cameras >= FEWEST_CAMERAS),
+            frames,
+            pixels,
+            pixels / config.capture.downscale**2,
+            0.0,
+            len({frame for one in segments for frame in one.sampled(every)}),
+            False,
+            False,
+            config.points.static,
+            config.points.dynamic_in(last),
+            tuple(SegmentSize(one.frames, *config.train.splat_budgets(one.seconds)) for one in segments),
             config.train.iterations,
             config.train.coarse_until,
             config.train.moving_steps,

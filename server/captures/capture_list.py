@@ -27,6 +27,7 @@ _PATIENCE = 5.0  # seconds to wait for captures not described yet
 _FIND_SECONDS = 60.0  # longest scan of the folders
 _SECONDS = 20  # processor time per capture
 _WALL_SECONDS = 120.0  # wall time per capture
+_UNKNOWN = dict.fromkeys(("frames", "seconds", "picture", "presets"))
 _TOGETHER = 16  # captures described by one process
 _KEPT_SECONDS = 600.0  # time to remember that a capture crashed its reader: the machine may have been at fault
 
@@ -107,7 +108,7 @@ class CaptureList:
         known = self._of(found)
         if known is not None:
             return named | known | {"looking": False}
-        unknown = {"layout": found["layout"], "cameras": found["cameras"], "frames": None, "seconds": None}
+        unknown = {"layout": found["layout"], "cameras": found["cameras"], **_UNKNOWN}
         return named | unknown | {"problem": f"{found['name']}: {LOOKED_AT}", "looking": True}
 
     def _want(self, captures: Sequence[dict[str, Any]]) -> None:
@@ -154,7 +155,6 @@ class CaptureList:
         return {
             "layout": found["layout"],
             "cameras": found["cameras"],
-            "frames": None,
-            "seconds": None,
+            **_UNKNOWN,
             "problem": " ".join(self.folders.shown(problem).split()),
         }

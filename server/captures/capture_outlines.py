@@ -1,7 +1,7 @@
 """Capture folders below the readable roots, with their cameras and lengths from lists and headers.
 
 For the limited process of `server.captures.capture_reader` alone: the API's own process opens no file of a capture.
-A scan is bounded in folders, files and depth, and decodes no picture.
+A scan is bounded in folders, files and depth. Of a capture one picture is decoded.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from hgs_core.capture.load import outline
 from hgs_core.capture.open import open_capture
 from hgs_core.capture.pictures.video import announced_length
 from server.captures.capture_folders import CaptureFolders
+from server.captures.capture_preview import capture_preview
 
 __all__ = ["FoundCapture", "describe_capture", "find_captures", "require_bounded_tables"]
 
@@ -80,7 +81,7 @@ def find_captures(folders: CaptureFolders) -> tuple[list[FoundCapture], bool]:
 
 
 def describe_capture(path: Path, folders: CaptureFolders) -> dict[str, Any]:
-    """Return layout, cameras, frames and seconds of a capture for `GET /v1/captures`, with a null problem.
+    """Return the description of a capture for `GET /v1/captures`, with a null problem.
 
     Raises:
         InputError: it cannot be read, or is not a capture.
@@ -92,13 +93,14 @@ def describe_capture(path: Path, folders: CaptureFolders) -> dict[str, Any]:
     if content.cameras is not None:
         camera_format, file = content.cameras
         told = outline(path, camera_format, file)
-        return _description(camera_format.name, list(told.cameras), told.frames, told.seconds)
+        return _description(camera_format.name, list(told.cameras), told.first, told.frames, told.seconds)
     if not content.videos:
         open_capture(path)
         raise InputError(path, "is not a capture")  # unless it has just become one
     frames, rate = announced_length(path / content.videos[0])
     seconds = frames / rate if frames is not None and rate is not None else None
-    return _description(_VIDEOS_ALONE, [Path(name).stem for name in content.videos], frames, seconds)
+    first = path / content.videos[0]
+    return _description(_VIDEOS_ALONE, [Path(name).stem for name in content.videos], first, frames, seconds)
 
 
 def require_bounded_tables(capture: Path) -> None:
@@ -122,8 +124,11 @@ def require_bounded_tables(capture: Path) -> None:
             waiting += [(folder / name, depth + 1) for name in here.folders]
 
 
-def _description(layout: str, cameras: list[str], frames: int | None, seconds: float | None) -> dict[str, Any]:
-    return {"layout": layout, "cameras": cameras, "frames": frames, "seconds": seconds, "problem": None}
+def _description(
+    layout: str, cameras: list[str], first: Path, frames: int | None, seconds: float | None
+) -> dict[str, Any]:
+    told = {"layout": layout, "cameras": cameras, "frames": frames, "seconds": seconds, "problem": None}
+    return told | capture_preview(first, len(cameras), frames, seconds)
 
 
 def _candidates(folders: CaptureFolders) -> Iterator[FoundCapture | None]:

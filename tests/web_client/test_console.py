@@ -118,6 +118,7 @@ def test_a_scene_is_made_from_the_form_and_followed_to_its_end(console: Console,
     page.get_by_role("radio", name=re.compile("^studio")).check()
     page.get_by_role("textbox", name="Name").fill("My studio")
     page.get_by_role("radio", name=re.compile("^Preview")).check()
+    page.get_by_text("Choose cameras").click()
     page.get_by_role("checkbox", name="right").check()
     console.let_train("studio", 80)
     page.get_by_role("button", name="Start").click()

@@ -54,7 +54,7 @@ def test_a_look_alike_off_the_epipolar_line_is_no_match() -> None:
 
 
 def picture_of_spots(height: int, width: int, *spots: tuple[float, float, float]) -> np.ndarray:
-    """Return a picture [H, W, 3] of Gaussian spots (x, y, sigma), in pixels whose centres lie at a half."""
+    """Return a picture [H, W, 3] of Gaussian spots (x, y, sigma); centres of pixels lie at a half."""
     y, x = np.mgrid[0:height, 0:width] + 0.5
     light = sum(180 * np.exp(-((x - u) ** 2 + (y - v) ** 2) / (2 * sigma**2)) for u, v, sigma in spots)
     return np.repeat((40 + light)[:, :, None], 3, 2).round().astype(np.uint8)

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from hgs_core.runs.run_config import RunConfig
-from hgs_core.runs.training_costs import COSTS, MEMORY, memory_terms, terms, training_need
+from hgs_core.runs.training_costs import COSTS, MEMORY, memory_terms, scene_bytes, terms, training_need
+from hgs_core.runs.training_size import TrainingSize
 from tests.large_training import LARGE
 
 CONFIG = RunConfig()
@@ -73,3 +74,12 @@ def test_the_course_rises_to_the_end_and_begins_cheaply() -> None:
     assert course[-1] == 1
     one = dataclasses.replace(LARGE, segments=LARGE.segments[:1])
     assert training_need(one, CONFIG).course[9] < 0.15  # a fifth of the iterations, at half resolution
+
+
+@pytest.mark.parametrize(
+    ("preset", "measured"),
+    [("preview", 741_935), ("standard", 1_289_091)],  # docs/benchmarks.md, samples/studio
+)
+def test_a_scene_has_at_most_the_bytes_that_were_predicted(preset: str, measured: int) -> None:
+    size = TrainingSize.announced(16, 60, 2.0, 512 * 384, RunConfig.for_preset(preset))
+    assert measured < scene_bytes(size) < 1.3 * measured

@@ -30,6 +30,11 @@ def test_a_capture_is_counted_as_it_is_trained() -> None:
     assert (size.iterations, size.moving_steps, size.straightened) == (3200, 1.0, 0.0)
 
 
+def test_a_capture_that_is_not_open_has_the_size_of_the_open_one() -> None:
+    config = RunConfig.for_preset("preview", **{"capture.hold_out": ["cam00"]})
+    assert TrainingSize.announced(16, 60, 2.0, 512 * 384, config) == studio()
+
+
 def test_a_reduced_picture_is_decoded_whole() -> None:
     size = studio(**{"capture.downscale": 2})
     assert (size.pixels, size.filmed_pixels) == (256 * 192, 512 * 384)

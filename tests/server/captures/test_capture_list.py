@@ -100,6 +100,12 @@ def test_a_capture_is_told_as_its_reader_described_it(make: Callable[..., Captur
     }
 
 
+def test_a_capture_that_is_not_read_yet_has_every_field(make: Callable[..., CaptureList]) -> None:
+    found = listed(make({"a": "refused", "b": "hangs"}, patience=1.0))
+    unknown = {"frames": None, "seconds": None, "picture": None, "presets": None}
+    assert all(unknown.items() <= told.items() for told in found.values())
+
+
 def test_a_refused_capture_is_told_by_its_name_and_not_by_the_path_of_its_folder(
     make: Callable[..., CaptureList],
 ) -> None:

@@ -45,10 +45,11 @@ def names(folders: CaptureFolders) -> list[str]:
 
 
 def described(path: Path, folders: CaptureFolders) -> dict[str, Any]:
-    """The description of a capture in a list, without the fields of a sound one."""
+    """The description of a sound capture in a list, without its problem and its preview."""
     told = describe_capture(path, folders)
     assert told.pop("problem") is None
-    return told
+    assert set(told) >= {"picture", "presets"}
+    return {name: value for name, value in told.items() if name not in ("picture", "presets")}
 
 
 def test_a_capture_is_described_with_its_cameras_and_its_length(folders: CaptureFolders, root: Path) -> None:
@@ -96,6 +97,12 @@ def test_captures_come_by_name_from_as_deep_as_the_bound(folders: CaptureFolders
 def test_a_folder_that_is_a_capture_itself_has_its_own_name(root: Path) -> None:
     write_still(root / "studio", "1.png")
     assert names(CaptureFolders(((root / "studio"),))) == ["studio"]
+
+
+def test_a_capture_has_a_preview(folders: CaptureFolders) -> None:
+    told = describe_capture(REPOSITORY / "samples" / "studio", CaptureFolders((REPOSITORY / "samples",)))
+    assert told["picture"].startswith("data:image/jpeg;base64,")
+    assert set(told["presets"]) == {"preview", "standard", "best"}
 
 
 def test_links_that_lead_out_of_the_folders_are_not_followed(folders: CaptureFolders, root: Path) -> None:

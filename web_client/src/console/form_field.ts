@@ -50,6 +50,8 @@ interface Choice {
   readonly note: string;
   /** The reason for which it is disabled; "" if it is not. */
   readonly problem?: string;
+  /** The address of a small picture. */
+  readonly picture?: string | null;
 }
 
 /** A group of exclusive choices, each with an explanation. */
@@ -57,12 +59,13 @@ export function choices(name: string, all: readonly Choice[], chosen: string): H
   return element(
     "div",
     { class: "choices" },
-    ...all.map(({ value, title, note, problem = "" }) =>
+    ...all.map(({ value, title, note, problem = "", picture }) =>
       element(
         "label",
         { class: "choice" },
         element("input", { type: "radio", name, value, checked: value === chosen, disabled: problem !== "" }),
         element("span", {}, element("strong", {}, title), element("small", {}, problem || note)),
+        picture ? element("img", { src: picture, alt: "" }) : null,
       ),
     ),
   );

@@ -1,9 +1,9 @@
 /** The form for a new scene: a capture, a training preset, and the cameras that are held out to check it. */
 
 import "./form.css";
-import { element } from "../dom/element";
-import { formatDuration } from "../dom/format";
-import { ApiError, type Capture, type CaptureList, listCaptures, submitJob } from "../protocol/api";
+import { element, setText } from "../dom/element";
+import { formatBytes, formatDuration } from "../dom/format";
+import { ApiError, type Capture, type CaptureList, listCaptures, submitJob, type TrainingPrice } from "../protocol/api";
 import { siteUrl } from "../protocol/http";
 import { CheckPanel } from "./check_panel";
 import { choices, chosenIn, type Field, FormField, fieldOf, reasonOf } from "./form_field";
@@ -13,12 +13,14 @@ import { UploadPanel } from "./upload_panel";
 
 const LONGEST_TITLE = 200; // characters, as in docs/rest.md
 const LEAST_CAMERAS = 2; // cameras that training needs
+const CHOOSE_CAMERAS = "Choose cameras";
+const HOURS_FROM = 120; // minutes
 const LOOK_AGAIN_MS = 2000; // ms between requests while the server checks captures
 
 const PRESETS = [
   { value: "preview", title: "Preview", note: "A quick first look" },
   { value: "standard", title: "Standard", note: "A finished scene" },
-  { value: "best", title: "Best", note: "The best picture; takes two to three times as long" },
+  { value: "best", title: "Best", note: "The best picture" },
 ];
 
 export function showSubmitPage(root: HTMLElement): void {
@@ -96,6 +98,8 @@ class SubmitForm {
     "aria-label": "Name",
   });
   readonly #cameras = element("div", { class: "cameras" });
+  readonly #chosenCameras = element("summary", {}, CHOOSE_CAMERAS);
+  readonly #folded = element("details", {}, this.#chosenCameras, this.#cameras);
   readonly #fields: Readonly<Record<Field, FormField>>;
   readonly #submit = element("button", { class: "button primary" }, "Start");
   readonly #check = new CheckPanel();
@@ -119,6 +123,7 @@ class SubmitForm {
       title: capture.name,
       note: describeCapture(capture),
       problem: capture.problem ?? "",
+      picture: capture.picture,
     }));
     const within = (path: string) => path === uploaded || path.startsWith(`${uploaded}/`);
     const arrived = uploaded === "" ? undefined : list.captures.find(({ capture }) => within(capture));
@@ -136,8 +141,8 @@ class SubmitForm {
       hold_out: new FormField(
         "hold_out",
         "Cameras to check the scene with",
-        [this.#cameras],
-        "Training does not use their pictures, so they measure the scene from viewpoints it has not seen. If you choose none, the middle camera of six or more is used.",
+        [this.#folded],
+        "Training does not use their pictures. Unless you choose others, it is the middle camera of six or more.",
       ),
     };
     const { capture, title, preset, hold_out } = this.#fields;
@@ -158,6 +163,9 @@ class SubmitForm {
     this.#capture.node.addEventListener("change", ({ target }) => {
       if (target instanceof HTMLInputElement && target.name === "capture") this.#choose(false);
     });
+    this.#cameras.addEventListener("change", () =>
+      setText(this.#chosenCameras, this.#heldOut().hold_out?.join(", ") ?? CHOOSE_CAMERAS),
+    );
     this.node.addEventListener("submit", (event) => {
       event.preventDefault();
       void this.#send();
@@ -184,11 +192,20 @@ class SubmitForm {
     this.#check.show(chosen, checked);
     this.#fields.hold_out.node.hidden = !chosen || chosen.cameras.length <= LEAST_CAMERAS;
     this.#fields.hold_out.fault("");
+    this.#folded.open = false;
+    setText(this.#chosenCameras, CHOOSE_CAMERAS);
+    for (const { value, note } of PRESETS)
+      setText(this.#note(value), [note, priceWords(chosen?.presets?.[value])].filter(Boolean).join(" · "));
     this.#cameras.replaceChildren(
       ...(chosen?.cameras ?? []).map((name) =>
         element("label", { class: "camera" }, element("input", { type: "checkbox", value: name }), name),
       ),
     );
+  }
+
+  /** The explanation of a preset. */
+  #note(preset: string): HTMLElement {
+    return this.#fields.preset.node.querySelector(`[value="${preset}"] + span small`) as HTMLElement;
   }
 
   /** Empty if no camera is selected: the server chooses then. */
@@ -225,6 +242,7 @@ class SubmitForm {
   }
 
   #refuse(name: Field, reason: string): void {
+    if (name === "hold_out") this.#folded.open = true;
     this.#fields[name].fault(reason);
     this.#fields[name].focus();
   }
@@ -232,6 +250,14 @@ class SubmitForm {
 
 const counted = (count: number, noun: string): string =>
   `${count.toLocaleString("en")} ${noun}${count === 1 ? "" : "s"}`;
+
+/** "about 20 minutes here · at most 1.4 MB"; "" for an unknown price. */
+export function priceWords(price: TrainingPrice | undefined): string {
+  if (!price) return "";
+  const minutes = Math.max(1, Math.round(price.minutes));
+  const time = minutes < HOURS_FROM ? counted(minutes, "minute") : counted(Math.round(minutes / 60), "hour");
+  return `about ${time} here · at most ${formatBytes(price.bytes)}`;
+}
 
 /** "16 cameras · 60 frames · 2.0 s", "49 photographs of a still scene". */
 export function describeCapture({ cameras, frames, seconds }: Capture): string {

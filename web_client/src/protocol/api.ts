@@ -73,6 +73,12 @@ export interface JobLog {
   readonly complete: boolean;
 }
 
+export interface TrainingPrice {
+  readonly minutes: number;
+  /** The most that the scene has. */
+  readonly bytes: number;
+}
+
 export interface Capture {
   readonly capture: string;
   readonly name: string;
@@ -82,6 +88,10 @@ export interface Capture {
   readonly frames: number | null;
   readonly seconds: number | null;
   readonly problem: string | null;
+  /** The first picture of its first camera, a data URI of 192x144 pixels at most. */
+  readonly picture?: string | null;
+  /** Predictions for trainings on the server, by preset. */
+  readonly presets?: Readonly<Record<string, TrainingPrice>> | null;
   /** Whether its check is not finished; then `problem` contains a text, too. */
   readonly looking?: boolean;
 }

@@ -1,5 +1,5 @@
 import { expect, it } from "vitest";
-import { describeCapture } from "../../src/console/submit_page";
+import { describeCapture, priceWords } from "../../src/console/submit_page";
 import type { Capture } from "../../src/protocol/api";
 
 const capture = (cameras: number, frames: number | null, seconds: number | null): Capture => ({
@@ -19,4 +19,13 @@ it.each([
   ["49 photographs of a still scene", capture(49, 1, 0)],
 ])("says %j", (words, described) => {
   expect(describeCapture(described)).toBe(words);
+});
+
+it.each([
+  ["about 21 minutes here · at most 1.4 MB", { minutes: 20.6, bytes: 1_430_000 }],
+  ["about 1 minute here · at most 90 KB", { minutes: 0.2, bytes: 90_000 }],
+  ["about 3 hours here · at most 5.5 MB", { minutes: 170, bytes: 5_480_000 }],
+  ["", undefined],
+])("says %j of a price", (words, price) => {
+  expect(priceWords(price)).toBe(words);
 });
