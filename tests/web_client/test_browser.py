@@ -281,7 +281,6 @@ def test_damaged_chunk_is_fetched_again(browser: Browser, site: Site, reference:
 @pytest.mark.parametrize(
     ("address", "message"),
     [
-        ("/view/nowhere", "There is no such scene here."),
         ("/view/clouds?camera=cam99", "camera cam99"),
         ("/view/clouds?t=soon", "t=soon"),
     ],
@@ -291,6 +290,17 @@ def test_page_says_what_is_wrong(browser: Browser, site: Site, address: str, mes
     try:
         page.goto(site.address + address)
         page.get_by_role("alert").filter(has_text=message).wait_for()
+    finally:
+        page.close()
+
+
+def test_a_missing_scene_has_the_page_of_missing_addresses(browser: Browser, site: Site) -> None:
+    page = browser.new_page()
+    try:
+        page.goto(site.address + "/view/nowhere")
+        page.get_by_role("heading", name="There is no such scene here").wait_for()
+        page.get_by_role("link", name="All scenes").click()
+        page.get_by_role("heading", name="Scenes").wait_for()
     finally:
         page.close()
 

@@ -124,6 +124,41 @@ def test_a_drag_does_not_play(browser: Browser, site: Site) -> None:
         assert not playing(page)
 
 
+def drag(page: Page) -> None:
+    page.mouse.move(320, 200)
+    page.mouse.down()
+    page.mouse.move(380, 220, steps=4)
+    page.mouse.up()
+
+
+def test_a_moved_camera_is_offered_the_way_back(browser: Browser, site: Site) -> None:
+    with viewing(browser, site) as page:
+        back = page.get_by_role("button", name="Back to the camera (R)")
+        assert not back.is_visible()
+        drag(page)
+        back.click()
+        back.wait_for(state="hidden")
+
+
+def test_a_first_visitor_is_told_that_the_view_turns(browser: Browser, site: Site) -> None:
+    """The hint goes with the first turn, and is not in the page when it is opened again."""
+    with viewing(browser, site) as page:
+        hint = page.get_by_text("Drag to look around")
+        hint.wait_for()
+        drag(page)
+        hint.wait_for(state="hidden")
+        page.reload()
+        page.get_by_role("button", name="Settings").wait_for()
+        assert hint.count() == 0
+
+
+def test_the_link_to_a_view_is_on_the_bar(browser: Browser, site: Site) -> None:
+    with viewing(browser, site, permissions=["clipboard-read", "clipboard-write"]) as page:
+        page.get_by_role("button", name="Copy a link to this view (C)").click()
+        page.get_by_text("Link copied").wait_for()
+        assert "t=0.4" in page.evaluate("() => navigator.clipboard.readText()")
+
+
 def test_two_fingers_do_not_play(browser: Browser, site: Site) -> None:
     with viewing(browser, site, **PHONE) as page:
         page.clock.install()

@@ -31,7 +31,8 @@ import {
   describeSound,
   titleOf,
 } from "./job_words";
-import { emptyState, isMissing, type Shell, showShell } from "./shell";
+import { showNotFoundPage } from "./not_found_page";
+import { isMissing, type Shell, showShell } from "./shell";
 import "./job.css";
 
 export class JobPicture {
@@ -73,10 +74,7 @@ export function showJobPage(root: HTMLElement, id: string): void {
     (error: unknown) => {
       if (abort.signal.aborted) return;
       if (!isMissing(error)) return shell.problem(error);
-      const back = element("a", { class: "button primary", href: siteUrl("") }, "All scenes");
-      shell.main.append(
-        emptyState("There is no such job", element("p", { class: "hint" }, "The link may be mistyped."), back),
-      );
+      showNotFoundPage(root, siteUrl(""), "There is no such job", "The link may be mistyped, or the job deleted.");
     },
   );
 }

@@ -1,4 +1,4 @@
-/** The page for unknown addresses. */
+/** The page for addresses, scenes and jobs that do not exist. */
 
 import { element } from "../dom/element";
 
@@ -7,7 +7,12 @@ import { element } from "../dom/element";
  *
  * @param home address of the server's root, with a slash at its end.
  */
-export function showNotFoundPage(root: HTMLElement, home: string): void {
+export function showNotFoundPage(
+  root: HTMLElement,
+  home: string,
+  title = "There is nothing at this address",
+  hint = "The link may be mistyped, or the scene may have been deleted.",
+): void {
   document.title = "Not found · HGS";
   root.className = "not-found-page";
   root.replaceChildren(
@@ -15,8 +20,8 @@ export function showNotFoundPage(root: HTMLElement, home: string): void {
       "main",
       {},
       element("img", { src: `${home}icon.svg`, alt: "", width: 56, height: 56 }),
-      element("h1", {}, "There is nothing at this address"),
-      element("p", { class: "hint" }, "The link may be mistyped, or the scene may have been deleted."),
+      element("h1", {}, title),
+      element("p", { class: "hint" }, hint),
       element("a", { class: "button", href: home }, "All scenes"),
     ),
   );

@@ -59,10 +59,14 @@ export class SceneCards {
   }
 }
 
-/** "1.2 MB · 28% moving" */
-export function describeScene({ bytes_total, splats_static, splats_dynamic }: Scene): string {
-  const share = Math.round((100 * splats_dynamic) / (splats_static + splats_dynamic));
-  return [formatBytes(bytes_total), splats_dynamic > 0 ? `${share}% moving` : "still"].join(" · ");
+/** "28 Nov 2026 · 1.2 MB", "28 Nov 2026 · 1.2 MB · still" */
+export function describeScene({ bytes_total, created, splats_dynamic }: Scene): string {
+  const made = new Date(1000 * created).toLocaleDateString("en-GB", {
+    day: "numeric",
+    month: "short",
+    year: "numeric",
+  });
+  return [made, formatBytes(bytes_total), ...(splats_dynamic > 0 ? [] : ["still"])].join(" · ");
 }
 
 /** The note on a growing scene. Empty for a complete one. */

@@ -2,7 +2,7 @@
 
 import { element } from "../dom/element";
 import type { HgsPlayer } from "../player/hgs_player";
-import { getScene } from "../protocol/api";
+import { ApiError, getScene } from "../protocol/api";
 import { KEY_NEEDED, siteUrl } from "../protocol/http";
 import type { Quality } from "../renderer/fineness";
 import { floatPixels } from "../renderer/float_pixels";
@@ -71,7 +71,10 @@ function play(host: HTMLElement, scene: string, parameters: ViewParameters, page
   // The server has the latest title, and may require a key; without an answer the manifest's title stays.
   const served = getScene(scene, player.disposed, query).then(
     ({ title }) => title,
-    () => "",
+    (error: unknown) => {
+      if (error instanceof ApiError && error.status === 404) void missing();
+      return "";
+    },
   );
   player.addEventListener("manifest", ({ detail }) => {
     call(detail.title || scene);
@@ -85,6 +88,11 @@ function play(host: HTMLElement, scene: string, parameters: ViewParameters, page
     view.dispose();
     delete window.hgs;
   };
+  async function missing(): Promise<void> {
+    end();
+    const { showNotFoundPage } = await import("./not_found_page"); // only for lost links
+    showNotFoundPage(document.body, page.home, "There is no such scene here", "It may have been deleted.");
+  }
   addEventListener("pagehide", end, { once: true });
   // The page that asks for the key takes the place of the player, which would go on connecting behind it.
   addEventListener(KEY_NEEDED, end, { once: true });

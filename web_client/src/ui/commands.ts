@@ -58,6 +58,7 @@ export interface CommandSurroundings {
 
 export class Commands {
   readonly fly: FlyMode;
+  readonly actions: PlayerActions;
   readonly #panels: Panels;
   readonly #obey: (event: KeyboardEvent) => void;
 
@@ -84,6 +85,7 @@ export class Commands {
       link,
       toggleCrop,
     });
+    this.actions = actions;
     const bindings = playerKeys(player, actions, {
       toggleFullscreen,
       toggleStatistics: () => this.#panels.toggleStatistics(),

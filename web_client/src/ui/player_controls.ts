@@ -4,15 +4,19 @@
 
 import "./full_screen"; // ahead of its use: browsers allow full screen only right after a press
 import type { Manifest } from "../codec/types";
-import { element, icon } from "../dom/element";
+import { element } from "../dom/element";
 import { BACK, FULLSCREEN, SETTINGS } from "../dom/icons";
 import { adoptStyle } from "../dom/shadow_style";
 import type { HgsPlayer } from "../player/hgs_player";
 import { offeredModes } from "../xr/offer";
 import type { Bookmarks } from "./bookmarks";
+import type { Commands } from "./commands";
 import { LatePart } from "./late_part";
 import css from "./player_controls.css?inline";
+import type { WholePage } from "./player_view_options";
+import { dress } from "./round_button";
 import { Transport } from "./transport";
+import { ViewButtons } from "./view_buttons";
 
 /** The view around the bars. */
 export interface ControlledView {
@@ -28,9 +32,9 @@ export interface ControlledView {
   readonly panels: HTMLElement;
   /** Target of the player's key events. */
   readonly keys: EventTarget;
-  /** Address of the page with other scenes; null if there is none. */
-  readonly home: string | null;
-  toggleSettings(): void;
+  /** The page with nothing but the player; undefined for others. */
+  readonly page: WholePage | undefined;
+  readonly commands: LatePart<Commands>;
   /** Null if the browser has no full screen for elements, such as on iPhones, which have it for videos only. */
   readonly toggleFullscreen: (() => void) | null;
 }
@@ -38,36 +42,49 @@ export interface ControlledView {
 export class PlayerControls {
   readonly #headset: HTMLElement;
   #transport: Transport | null = null;
+  #buttons: ViewButtons | null = null;
 
   constructor(
     readonly player: HgsPlayer,
     readonly view: ControlledView,
   ) {
-    const { root, settings, keys, toggleSettings } = view;
+    const { root, settings, keys, commands } = view;
     const shadow = root.getRootNode() as ShadowRoot;
     adoptStyle(shadow, css);
     this.#headset = offerHeadset(player, shadow);
     dress(settings, "Settings", SETTINGS);
-    settings.addEventListener("click", toggleSettings);
+    settings.addEventListener("click", () => commands.use((all) => all.toggleSettings()));
     new IdleHiding(root, keys, () => !player.paused, player.disposed);
   }
 
   /** Start with the present scene. */
   show(manifest: Manifest): void {
     const { player, view } = this;
-    const { home, toggleFullscreen } = view;
+    const { page, commands, toggleFullscreen } = view;
     const transport = new Transport(player, view.bookmarks);
     this.#transport = transport;
+    const buttons = new ViewButtons(
+      player,
+      {
+        share: page?.link ? () => commands.use(({ actions }) => void actions.copyLink()) : null,
+        recentre: () => commands.use(({ actions }) => actions.resetCamera()),
+      },
+      page !== undefined,
+    );
+    this.#buttons = buttons;
     const bar = element(
       "header",
       { class: "top-bar" },
-      home === null ? null : dress(element("a", { href: home }), "All scenes", BACK),
+      page ? dress(element("a", { href: page.home }), "All scenes", BACK) : null,
       view.title,
       this.#headset,
+      buttons.recentre,
+      buttons.share,
       view.settings,
       toggleFullscreen && dress(element("button", { onclick: toggleFullscreen }), "Full screen (F)", FULLSCREEN),
     );
     view.place.replaceChildren(bar, view.panels, transport.node);
+    if (buttons.hint) view.place.append(buttons.hint);
     transport.timeline.mark();
     transport.update();
     if (manifest.audio) void this.#showSound(transport);
@@ -76,6 +93,7 @@ export class PlayerControls {
   /** Show the player's state; called at every frame of the player. */
   update(): void {
     this.#transport?.update();
+    this.#buttons?.update();
   }
 
   /** Show the bookmarks and the repeated stretch. */
@@ -85,7 +103,7 @@ export class PlayerControls {
 
   /** Clear the bars: there is no scene any more. */
   clear(): void {
-    this.#transport = null;
+    this.#transport = this.#buttons = null;
     this.view.place.replaceChildren();
   }
 
@@ -94,16 +112,6 @@ export class PlayerControls {
     const controls = await import("./sound_controls").catch(() => null);
     controls?.addSoundControls(this.player, node);
   }
-}
-
-/** Turn a button or a link into a round one with an icon. */
-function dress(round: HTMLElement, label: string, path: string): HTMLElement {
-  if (round instanceof HTMLButtonElement) round.type = "button";
-  round.className = "round";
-  round.title = label;
-  round.setAttribute("aria-label", label);
-  round.append(icon(path));
-  return round;
 }
 
 /** An element that holds the headset buttons once there is a use for them, until the player is disposed of. */

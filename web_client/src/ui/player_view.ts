@@ -188,8 +188,8 @@ export class PlayerView {
       settings: this.#settings,
       panels: this.#panels,
       keys: this.#keys,
-      home: this.#options.page?.home ?? null,
-      toggleSettings: () => this.#commands.use((all) => all.toggleSettings()),
+      page: this.#options.page,
+      commands: this.#commands,
       toggleFullscreen: "requestFullscreen" in this.#host ? () => this.toggleFullscreen() : null,
     });
   }
