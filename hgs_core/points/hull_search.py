@@ -36,7 +36,7 @@ class HullSearch(PointSearch):
         for frame in sample_frames(len(self.capture.times), _FLOOR_FRAMES):
             for group in same_moments(self.capture, self.cameras, frame):
                 views, pictures, moving = seen_at(self.capture, group, self.masks)
-                parts.append(hull_surface(views, pictures, moving, moving, _FLOOR_RAYS).xyz)
+                parts.append(hull_surface(views, pictures, moving, _FLOOR_RAYS).xyz)
         views = [self.capture.cameras[index] for index in self.cameras]
         return find_backdrop(views, self._still, np.concatenate(parts))
 
@@ -84,7 +84,7 @@ class HullSearch(PointSearch):
         parts = []
         for group in groups:
             views, pictures, moving = seen_at(self.capture, group, self.masks)
-            found = hull_surface(views, pictures, moving, moving, count // len(groups))
+            found = hull_surface(views, pictures, moving, count // len(groups))
             chosen = np.sort(generator.permutation(len(found.xyz))[: count // len(groups)])
             xyz = found.xyz[chosen]
             parts.append(

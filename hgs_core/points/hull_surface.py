@@ -74,21 +74,20 @@ def hull_surface(
     cameras: Sequence[Camera],
     pictures: Sequence[npt.NDArray[np.uint8]],  # [H, W, 3] each
     moving: Sequence[npt.NDArray[np.bool_]],  # [H, W] each
-    wanted: Sequence[npt.NDArray[np.bool_]],  # [H, W] each: pixels that need points
     rays: int,  # how many of them at least, if there are so many, over all pictures
 ) -> HullSurface:
-    """Return where the rays of a grid of wanted pixels enter the hull, at its thickest part along each.
+    """Return where the rays of a grid of moving pixels enter the hull, at its thickest part along each.
 
     Where people hide each other the hull has parts where nobody is; they are thinner than people. What one picture
     alone shows, such as feet that stand below all others, is as far away on the floor as the nearest of its pixels
     whose place is known.
     """
     grown = soft_masks(moving)
-    step = grid_step(wanted, rays)
+    step = grid_step(moving, rays)
     positions = np.array([camera.position for camera in cameras])
     vertical = vertical_of(cameras)
     found: list[tuple[Doubles, Doubles, Doubles, Doubles]] = []
-    for camera, picture, mask in zip(cameras, pictures, wanted, strict=True):
+    for camera, picture, mask in zip(cameras, pictures, moving, strict=True):
         rows, columns, directions = grid_rays(camera, mask, step)
         far = float(np.linalg.norm(positions - camera.position, axis=1).max())
         depths, inside = _entries(cameras, grown, camera, directions, far)

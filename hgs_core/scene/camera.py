@@ -12,10 +12,13 @@ import numpy.typing as npt
 
 from hgs_core.base.errors import InputError
 
-__all__ = ["FAR_APART", "Camera", "looking_at", "neighbour_angle"]
+__all__ = ["FAR_APART", "ORTHONORMAL", "Camera", "is_orthonormal", "looking_at", "neighbour_angle"]
 
 FAR_APART = math.radians(40)
 """Median angle to the next camera, from which on each alone sees its side of a subject: features are lost near 30."""
+
+ORTHONORMAL = 1e-3
+"""Tolerance on the products of a rotation's rows."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,10 +56,9 @@ class Camera:
             raise InputError(where, f"focal length ({self.fx}, {self.fy}) is not positive")
         if pose.shape != (4, 4) or not np.isfinite(pose).all():
             raise InputError(where, "world_to_camera is not a finite 4x4 matrix")
-        R = pose[:3, :3]
-        if np.abs(R).max() > 2 or not np.allclose(R @ R.T, np.eye(3), atol=1e-3):  # products of more may overflow
+        if not is_orthonormal(pose[:3, :3]):
             raise InputError(where, "the rotation of world_to_camera is not orthonormal")
-        if np.linalg.det(R) < 0:
+        if np.linalg.det(pose[:3, :3]) < 0:
             raise InputError(where, "world_to_camera is a reflection", "check the axis convention of the poses")
 
     @property
@@ -161,6 +163,12 @@ class Camera:
             if isinstance(error, InputError):
                 raise
             raise InputError("camera", f"unreadable: {error!r}") from error
+
+
+def is_orthonormal(turn: npt.NDArray[np.float64]) -> bool:
+    """Return whether the rows of a matrix [3, 3] are of length one and at right angles, as a reflection's are, too."""
+    # Products of larger numbers may overflow.
+    return bool(np.abs(turn).max() <= 2 and np.allclose(turn @ turn.T, np.eye(3), atol=ORTHONORMAL))
 
 
 def looking_at(

@@ -23,12 +23,12 @@ from hgs_core.base.wording import shown
 from hgs_core.capture.cameras.camera_formats import calibration
 from hgs_core.capture.cameras.rig import CalibratedCamera, Rig, finite
 from hgs_core.capture.files.text_file import read_json
+from hgs_core.scene.camera import is_orthonormal
 
 __all__ = ["CORRECTIONS_FILE", "CorrectedCamera", "corrections_of", "with_corrections", "write_corrections"]
 
 CORRECTIONS_FILE = "poses.json"
 _CURE = "remove it, and let hgs check --fix-poses write it again"
-_ORTHONORMAL = 1e-3  # tolerance of `Camera`
 _STRONGEST = 1e3  # factor of a focal length, and its inverse
 
 
@@ -145,7 +145,7 @@ def _camera(where: str, name: str, value: Any, names: Sequence[str]) -> Correcte
             )
     pose = finite(value["world_to_camera"], 16, where, "world_to_camera").reshape(4, 4)
     turn = pose[:3, :3]
-    if not np.allclose(turn @ turn.T, np.eye(3), atol=_ORTHONORMAL) or np.linalg.det(turn) < 0:
+    if not is_orthonormal(turn) or np.linalg.det(turn) < 0:
         raise InputError(where, "world_to_camera has no rotation", _CURE)
     focal = float(finite([value["focal"]], 1, where, "focal")[0])
     if not 1 / _STRONGEST < focal < _STRONGEST:

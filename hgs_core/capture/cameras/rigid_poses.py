@@ -10,13 +10,13 @@ import numpy.typing as npt
 from hgs_core.base.errors import InputError
 from hgs_core.base.wording import counted
 from hgs_core.capture.cameras.rig import CalibratedCamera, Rig
+from hgs_core.scene.camera import ORTHONORMAL, is_orthonormal
 
 __all__ = ["MIRROR", "with_rigid_poses"]
 
 MIRROR = np.diag((-1.0, 1.0, 1.0, 1.0))
 """The mirror of a world: of x, which is up in none."""
 
-_ORTHONORMAL = 1e-3  # tolerance of `Camera` on products of the rotation's rows
 _LARGEST_SCALE = 1e6  # and its inverse: what lies beyond is damage
 _MOST_NAMED = 6  # cameras that a message lists
 
@@ -48,15 +48,15 @@ def with_rigid_poses(rig: Rig) -> Rig:
 def _scale(camera: CalibratedCamera) -> float:
     """Return the scale of a pose: 1 if its rotation is one."""
     turn = camera.world_to_camera[:3, :3]
-    if _is_orthonormal(turn):
+    if is_orthonormal(turn):
         scale = 1.0
     else:
         lengths = np.linalg.norm(turn, axis=1)
         scale = float(lengths.mean())
-        if not (1 / _LARGEST_SCALE < scale < _LARGEST_SCALE and _is_orthonormal(turn / scale)):
+        if not (1 / _LARGEST_SCALE < scale < _LARGEST_SCALE and is_orthonormal(turn / scale)):
             rows = ", ".join(f"{length:.4g}" for length in lengths)
             problem = f"the rotation of its pose is none: its rows have the lengths {rows} and are not at right angles"
-            if np.ptp(lengths) > _ORTHONORMAL * max(scale, 1e-9):
+            if np.ptp(lengths) > ORTHONORMAL * max(scale, 1e-9):
                 problem = f"the rotation of its pose is none: its rows have the lengths {rows}, not one"
             raise InputError(camera.where, problem, "export the poses again without shear or scale of single axes")
     return scale
@@ -75,10 +75,6 @@ def _right_handed(rig: Rig) -> Rig:
     cameras = [dataclasses.replace(camera, world_to_camera=camera.world_to_camera @ MIRROR) for camera in rig.cameras]
     note = "all poses are reflections, as of a left-handed world (Unity, Unreal): x of the world is turned"
     return dataclasses.replace(rig, cameras=cameras, mirrored=True, notes=(*rig.notes, note))
-
-
-def _is_orthonormal(turn: npt.NDArray[np.float64]) -> bool:
-    return bool(np.abs(turn).max() <= 2 and np.allclose(turn @ turn.T, np.eye(3), atol=_ORTHONORMAL))
 
 
 def _divided(pose: npt.NDArray[np.float64], scale: float) -> npt.NDArray[np.float64]:

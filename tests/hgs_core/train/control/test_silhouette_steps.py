@@ -44,7 +44,7 @@ def views(iteration: int, more: int, size: float) -> Iterator[tuple[TrainingView
 def faint_body() -> DynamicSplats[torch.Tensor]:
     """Faint grey splats on the body's hull, and some beside it."""
     grey = [np.full((240, 320, 3), 128, np.uint8)] * 3
-    hull = hull_surface(CAMERAS, grey, MASKS, MASKS, 400)
+    hull = hull_surface(CAMERAS, grey, MASKS, 400)
     xyz = np.concatenate([hull.xyz, hull.xyz[::20] + np.float32(0.12)])
     none, ones = np.zeros(len(xyz), np.float32), np.ones(len(xyz), np.float32)
     points = PointCloud.at_rest(xyz, np.full_like(xyz, 0.5), none, ones, 0.03 * ones)
