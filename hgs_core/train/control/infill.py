@@ -7,6 +7,7 @@ worst still pixels are swept for points, as births are for what moves.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
@@ -89,9 +90,7 @@ def find_infill(
     """
 
     def look(views: Iterable[TrainingView]) -> _StillPicture:
-        seen = list(views)
-        fixed = FixedView(static, seen[0].camera, antialiased=config.antialiased, backend=config.backend)
-        return _StillPicture.of(seen, [shown(fixed.frame(dynamic, view.moment).rgb, view) for view in seen])
+        return _still_picture(static, dynamic, views, config, shown)
 
     with core_pool() as pool:
         found = list(pool.map(look, cameras))
@@ -116,14 +115,29 @@ class _StillPicture:
     still: npt.NDArray[np.bool_]  # [H, W] pixels that never move
     error: npt.NDArray[np.float32]  # [H, W] error of the mean drawn picture, levels of 255
 
-    @classmethod
-    def of(cls, views: Sequence[TrainingView], drawn: Sequence[Tensor]) -> _StillPicture:
-        """Take the means of views and of their drawn pictures, [3, H, W] each."""
-        truth = torch.stack([view.target for view in views]).mean(0)
-        picture = (truth.permute(1, 2, 0) * 255).round().to(torch.uint8).numpy()
-        camera = views[0].camera
-        still = torch.ones(camera.height, camera.width, dtype=torch.bool)
-        for view in views:
-            if view.moving is not None:
-                still &= ~view.moving
-        return cls(camera, picture, still.numpy(), picture_error(torch.stack(list(drawn)).mean(0), picture))
+
+def _still_picture(
+    static: StaticSplats[Tensor],
+    dynamic: DynamicSplats[Tensor],
+    views: Iterable[TrainingView],
+    config: TrainConfig,
+    shown: Callable[[Tensor, TrainingView], Tensor],
+) -> _StillPicture:
+    """Draw one camera's views, and take the means of these pictures and of the true ones.
+
+    They are summed one by one: at a megapixel the pictures of a few moments are a tenth of a training's memory.
+    """
+    remaining = iter(views)
+    first = next(remaining)
+    camera, count = first.camera, 0
+    fixed = FixedView(static, camera, antialiased=config.antialiased, backend=config.backend)
+    truths, drawn = (torch.zeros(3, camera.height, camera.width) for _ in range(2))
+    still = torch.ones(camera.height, camera.width, dtype=torch.bool)
+    for view in itertools.chain([first], remaining):
+        truths += view.target
+        drawn += shown(fixed.frame(dynamic, view.moment).rgb, view)
+        if view.moving is not None:
+            still &= ~view.moving
+        count += 1
+    picture = ((truths / count).permute(1, 2, 0) * 255).round().to(torch.uint8).numpy()
+    return _StillPicture(camera, picture, still.numpy(), picture_error(drawn / count, picture))
