@@ -13,6 +13,7 @@ import numpy.typing as npt
 import torch
 from torch import Tensor
 
+from hgs_core.base.heap import trim_heap
 from hgs_core.base.progress import Progress, ProgressCallback, StageStopped, interruptible
 from hgs_core.capture.capture import Capture
 from hgs_core.decompose.masks import MotionMasks
@@ -193,6 +194,8 @@ class Trainer:
                 interruptible() if saved else nullcontext(),
             ):
                 control.apply(state, context)
+            if control.is_long:
+                trim_heap()  # a round's pictures of all cameras leave holes that steps do not fill
         self._torn = False
 
     def _average(self) -> None:
