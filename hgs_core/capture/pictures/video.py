@@ -135,11 +135,24 @@ class VideoReader:
         Raises:
             InputError: the video is damaged.
         """
-        import av
-
         key = self._packets.stamps.index(
             self._packets.keys[max(0, bisect_right(self._packets.keys, self._packets.stamps[index]) - 1)]
         )
+        for start in dict.fromkeys((key, 0)):  # where an index is missing, as in MPEG-PS, FFmpeg may seek too far
+            found = self._decoded(index, start, neighbours)
+            if found is not None:
+                return found
+            self._close()
+        raise InputError(self.path, f"frame {index} cannot be decoded", "export the camera's video again")
+
+    def _decoded(self, index: int, key: int, neighbours: int) -> tuple[npt.NDArray[np.uint8], list[Neighbour]] | None:
+        """Return frame `index` as `read` does, decoded from where the decoder is or from `key`; None: it did not come.
+
+        Raises:
+            InputError: the video is damaged.
+        """
+        import av
+
         passed: list[Neighbour] = []
         try:
             # Frames that the caller keeps on the way are worth decoding, even where a key frame would skip them.
@@ -163,11 +176,10 @@ class VideoReader:
         except (av.FFmpegError, OSError) as error:
             self._close()
             raise self._unreadable(error, index) from error
-        self._close()
-        raise InputError(self.path, f"frame {index} cannot be decoded", "export the camera's video again")
+        return None
 
     def _seek(self, key: int) -> None:
-        if self._packets.counted:
+        if self._packets.counted or key == 0:
             self._close()
         if self._container is None:
             self._container = open_container(self.path)
@@ -175,7 +187,7 @@ class VideoReader:
             context.thread_count = 1  # frame threads would hold several pictures for each of many cameras
             context.options = {"err_detect": "explode"}  # damage is an error, never a guessed picture
         stream = self._video(self._container)
-        if not self._packets.counted:
+        if not self._packets.counted and key > 0:
             self._container.seek(self._packets.stamps[key], stream=stream, backward=True)
         self._frames = self._container.decode(stream)
         self._next = key

@@ -132,3 +132,19 @@ def test_file_without_a_video_stream(tmp_path: Path) -> None:
         container.mux(stream.encode())
     with pytest.raises(InputError, match="no video stream"):
         VideoReader(path)
+
+
+def test_frames_of_a_file_without_an_index_come_in_every_order(tmp_path: Path) -> None:
+    """MPEG-PS has no index, and FFmpeg, which looks for a time in it, may find a later one."""
+    path = tmp_path / "cam00.mpg"
+    noise = np.random.default_rng(0).integers(-9, 10, (192, 256, 3))  # packets longer than a pack
+    with av.open(str(path), "w", format="mpeg") as container:
+        stream = container.add_stream("mpeg2video", rate=25, options={"g": "6", "b": "3M"})
+        stream.width, stream.height, stream.pix_fmt = 256, 192, "yuv420p"
+        for value in LEVELS:
+            picture = (value + noise).astype(np.uint8)
+            container.mux(stream.encode(av.VideoFrame.from_ndarray(picture, format="rgb24")))
+        container.mux(stream.encode())
+    order = (0, 19, 7, 8, 6, 5, 18, 12, 12, 0)
+    reader = VideoReader(path)
+    assert [level(reader.read(index, 0)[0]) for index in order] == [LEVELS[index] for index in order]
