@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from pathlib import Path
@@ -66,7 +67,7 @@ class VideoPackets:
                     Fraction(stream.time_base or 0),
                     # AVI and bare streams do not store when a frame is shown: frames come in the decoder's order.
                     bare or container.format.name == "avi",
-                    stream.metadata.get("timecode") or container.metadata.get("timecode"),
+                    _timecode(stream.metadata) or _timecode(container.metadata),
                     Fraction(stream.sample_aspect_ratio or 1),
                     context.field_order > _PROGRESSIVE,
                     notes=[said] if said else [],
@@ -145,6 +146,11 @@ class VideoPackets:
             raise InputError(path, "the video does not state its frames per second", cure)
         if not self.first:
             raise InputError(path, "no frame can be decoded", "export the camera's video again")
+
+
+def _timecode(tags: Mapping[str, str]) -> str | None:
+    """Return the time code among tags, whose names Matroska writes in capitals."""
+    return next((value for name, value in tags.items() if name.casefold() == "timecode"), None)
 
 
 def open_stream(path: Path, container: InputContainer) -> tuple[VideoStream, str]:
