@@ -72,8 +72,10 @@ class VideoPackets:
                     context.field_order > _PROGRESSIVE,
                     notes=[said] if said else [],
                 )
-                announced = 0 if found.counted else stream.frames
-                damaged = found._read(container, stream, bare)
+                # Of frames that an edit list cuts, the index has few; a truncated file has the whole index.
+                indexed = len(stream.index_entries)
+                announced = 0 if found.counted else min(stream.frames, indexed or stream.frames)
+                cut, damaged = found._read(container, stream, bare)
         except (av.FFmpegError, OSError) as error:
             raise unreadable(path, error, _CURE, "the video is unreadable") from error
         if bare and found.rate:
@@ -82,10 +84,10 @@ class VideoPackets:
         if not 1 / _LARGEST_ASPECT <= found.aspect <= _LARGEST_ASPECT:
             found.notes.append(f"pixels of {found.aspect} are no camera's, and taken to be square")
             found.aspect = Fraction(1)
-        found._check(path, announced, damaged)
+        found._check(path, announced - cut, damaged)
         found.interlaced |= any(frame.interlaced_frame for frame in found.first)
         found.stamps.sort()
-        found.keys = sorted(found.keys) if found.keys and not found.counted else [found.stamps[0]]
+        found.keys = [found.stamps[0]] if found.counted else sorted({found.stamps[0], *found.keys})
         return found
 
     def with_first_frame(self, path: Path) -> VideoPackets:
@@ -109,13 +111,14 @@ class VideoPackets:
             raise unreadable(path, error, _CURE, "the video is unreadable") from error
         raise InputError(path, "no frame can be decoded", "export the camera's video again")
 
-    def _read(self, container: InputContainer, stream: VideoStream, bare: bool) -> bool:
-        """Read the stamps, in the order of the file; return whether a packet is damaged."""
-        damaged = False
+    def _read(self, container: InputContainer, stream: VideoStream, bare: bool) -> tuple[int, bool]:
+        """Read the stamps, in the order of the file; return the frames that an edit cut, and whether one is damaged."""
+        cut, damaged = 0, False
         for packet in container.demux(stream):
             if not self.first:
                 self.first = stream.codec_context.decode(packet)
             if packet.is_discard or not packet.size:
+                cut += packet.is_discard
                 continue
             if packet.pts is None and not self.stamps:
                 self.counted = True
@@ -129,7 +132,7 @@ class VideoPackets:
             if packet.is_keyframe:
                 self.keys.append(stamp)
             damaged |= packet.is_corrupt
-        return damaged
+        return cut, damaged
 
     def _check(self, path: Path, announced: int, damaged: bool) -> None:
         if not self.stamps:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Callable
 from pathlib import Path
 
@@ -108,6 +109,24 @@ def test_truncated_video_with_its_header_in_front(sample: Path, tmp_path: Path) 
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
     with pytest.raises(InputError, match=r"truncated: \d+ of 60 frames"):
         VideoReader(path)
+
+
+@pytest.mark.parametrize(("first", "count"), [(0, 8), (4, 8), (4, 16), (7, 3)])
+def test_a_clip_that_was_trimmed_without_encoding_has_the_frames_that_players_show(
+    video: Path, first: int, count: int
+) -> None:
+    """QuickTime and phones keep all frames, and an edit list says which are shown."""
+    data = bytearray(video.read_bytes())
+    edit = data.index(b"elst") + 12  # its first entry: duration, and the time in the medium
+    (tick,) = struct.unpack_from(">I", data, data.index(b"mdhd") + 16)
+    (film,) = struct.unpack_from(">I", data, data.index(b"mvhd") + 16)
+    (begin,) = struct.unpack_from(">i", data, edit + 4)
+    struct.pack_into(">Ii", data, edit, film * count // 30, begin + tick * first // 30)
+    video.write_bytes(data)
+    reader = VideoReader(video)
+    shown = [level(reader.read(index, 0)[0]) for index in (*range(len(reader)), 0, len(reader) - 1)]
+    assert shown == [*LEVELS[first : first + count], LEVELS[first], LEVELS[first + count - 1]]
+    np.testing.assert_allclose(reader.seconds, np.arange(count) / 30, atol=1e-3)
 
 
 def test_damage_inside_a_video_is_an_error_not_a_guess(sample: Path, tmp_path: Path) -> None:
