@@ -81,6 +81,9 @@ class VideoReader:
             raise InputError(path, "the video is to be shown mirrored or tilted", cure)
         self._turns = turns
         self.wide_colours = wide_colours_of(packets.first[0])
+        self._transparent = any(component.is_alpha for component in packets.first[0].format.components)
+        if self._transparent and self._alpha(packets.first[0], packets.size).min() < 255:
+            self.notes.append("what is transparent in the video is black")
         packets.first.clear()  # a decoded picture for each camera would stay in memory
         self._stored = packets.size  # width and height that frames are brought to before they are turned
         self.width, self.height = self._turned(packets.size)
@@ -229,11 +232,18 @@ class VideoReader:
                 threads=1,
                 src_colorspace=matrix,
             )
-            return np.ascontiguousarray(
-                np.rot90(self.wide_colours.shown(np.asarray(deep.to_ndarray(), np.uint16)), self._turns)
-            )
-        picture = self._reformatter.reformat(frame, width, height, "rgb24", interpolation=best, threads=1).to_ndarray()
+            picture = self.wide_colours.shown(np.asarray(deep.to_ndarray(), np.uint16))
+        else:
+            plain = self._reformatter.reformat(frame, width, height, "rgb24", interpolation=best, threads=1)
+            picture = np.asarray(plain.to_ndarray(), np.uint8)
+        if self._transparent:
+            picture = ((picture.astype(np.uint16) * self._alpha(frame, self._stored) + 127) // 255).astype(np.uint8)
         return np.ascontiguousarray(np.rot90(picture, self._turns))
+
+    def _alpha(self, frame: av.VideoFrame, size: tuple[int, int]) -> npt.NDArray[np.uint16]:
+        """Return the opacity of a frame's pixels [H, W, 1], 0..255."""
+        deep = self._reformatter.reformat(frame, *size, "rgba", threads=1)
+        return deep.to_ndarray()[..., 3:].astype(np.uint16)
 
     def _unreadable(self, error: Exception, index: int | None = None) -> InputError:
         what = "the video" if index is None else f"frame {index}"

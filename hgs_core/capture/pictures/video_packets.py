@@ -23,6 +23,7 @@ __all__ = ["VideoPackets", "open_stream"]
 
 _LARGEST_ASPECT = 4  # times as wide as high, or as high as wide; anamorphic lenses double
 _CURE = "copy or export the camera's video again"
+_WITH_ALPHA = {"vp8": "libvpx", "vp9": "libvpx-vp9"}  # FFmpeg's decoders of transparency in WebM
 _PROGRESSIVE = 1  # AVFieldOrder: 0 is unknown, from 2 on frames are of two fields
 
 
@@ -67,7 +68,7 @@ class VideoPackets:
                     Fraction(stream.time_base or 0),
                     # AVI and bare streams do not store when a frame is shown: frames come in the decoder's order.
                     bare or container.format.name == "avi",
-                    _timecode(stream.metadata) or _timecode(container.metadata),
+                    _tag(stream.metadata, "timecode") or _tag(container.metadata, "timecode"),
                     Fraction(stream.sample_aspect_ratio or 1),
                     context.field_order > _PROGRESSIVE,
                     notes=[said] if said else [],
@@ -76,6 +77,11 @@ class VideoPackets:
                 indexed = len(stream.index_entries)
                 announced = 0 if found.counted else min(stream.frames, indexed or stream.frames)
                 cut, damaged = found._read(container, stream, bare)
+                decoder = _WITH_ALPHA.get(context.name)
+                if decoder is not None and _tag(stream.metadata, "alpha_mode") == "1":
+                    on_black = "-vf premultiply=inplace=1 -pix_fmt yuv420p -c:v libx264 -crf 12"
+                    cure = encode_again(path, reading=f"-c:v {decoder}", writing=on_black)
+                    found.notes.append(f"what is transparent in the video is taken as stored; black it is by {cure}")
         except (av.FFmpegError, OSError) as error:
             raise unreadable(path, error, _CURE, "the video is unreadable") from error
         if bare and found.rate:
@@ -151,9 +157,9 @@ class VideoPackets:
             raise InputError(path, "no frame can be decoded", "export the camera's video again")
 
 
-def _timecode(tags: Mapping[str, str]) -> str | None:
-    """Return the time code among tags, whose names Matroska writes in capitals."""
-    return next((value for name, value in tags.items() if name.casefold() == "timecode"), None)
+def _tag(tags: Mapping[str, str], called: str) -> str | None:
+    """Return the value of a tag; Matroska writes names in capitals."""
+    return next((value for name, value in tags.items() if name.casefold() == called), None)
 
 
 def open_stream(path: Path, container: InputContainer) -> tuple[VideoStream, str]:

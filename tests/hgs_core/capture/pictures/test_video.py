@@ -83,6 +83,31 @@ def test_colours_follow_the_colour_space_that_the_file_states(tmp_path: Path) ->
     assert np.abs(picture.astype(int) - colour).max() <= 3
 
 
+@pytest.mark.parametrize(
+    ("ending", "codec", "form"),
+    [("mov", "png", "rgba"), ("mov", "prores_ks", "yuva444p10le"), ("webm", "vp9", "yuva420p")],
+)
+def test_what_is_transparent_is_black_or_the_note_has_the_command(
+    tmp_path: Path, ending: str, codec: str, form: str
+) -> None:
+    path = tmp_path / f"a.{ending}"
+    picture = np.full((48, 64, 4), (200, 60, 30, 255), np.uint8)
+    picture[:, 32:, 3] = 0
+    with av.open(str(path), "w") as container:
+        stream = container.add_stream("libvpx-vp9" if codec == "vp9" else codec, rate=30)
+        stream.width, stream.height, stream.pix_fmt = 64, 48, form
+        stream.metadata["alpha_mode"] = "1"
+        container.mux(stream.encode(av.VideoFrame.from_ndarray(picture, format="rgba").reformat(format=form)))
+        container.mux(stream.encode())
+    reader = VideoReader(path)
+    read = reader.read(0, 0)[0].astype(int)
+    assert np.abs(read[:, 4:28] - (200, 60, 30)).max() <= 8
+    if codec == "vp9":
+        assert any("ffmpeg -c:v libvpx-vp9 -i a.webm -vf premultiply=inplace=1" in note for note in reader.notes)
+    else:
+        assert (read[:, 36:].max(), reader.notes) == (0, ["what is transparent in the video is black"])
+
+
 def test_garbage_is_no_video(tmp_path: Path) -> None:
     (tmp_path / "cam00.mp4").write_bytes(b"not a video" * 100)
     with pytest.raises(InputError, match=r"cam00\.mp4: the video is unreadable"):
