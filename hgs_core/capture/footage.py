@@ -208,4 +208,5 @@ def _pictures(folder: Path) -> tuple[Path, ...]:
 
 
 def _ending(name: str) -> str:
-    return name.rpartition(".")[2].lower() if "." in name else ""
+    """Return the ending of a name in small letters; none of hidden files, such as the ._cam0.mp4 that macOS leaves."""
+    return name.rpartition(".")[2].lower() if "." in name and not name.startswith(".") else ""

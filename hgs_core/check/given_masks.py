@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
+from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
@@ -21,7 +23,8 @@ _LEAST_MOTION = 0.002  # share of pixels
 _MISPLACED = 0.2  # share of moving pixels; good masks mark 0.55 and more
 _MANY_SHADES = 32  # levels
 _HALF = 128  # level
-_THRESHOLD = "mogrify -threshold 50% masks/*/*.png (ImageMagick) writes 0 and 255"
+_THRESHOLD = "mogrify -threshold 50% {} (ImageMagick) writes 0 and 255"
+_MOST_NAMED = 8  # folders
 
 Bools = npt.NDArray[np.bool_]
 
@@ -47,6 +50,7 @@ class MaskEvidence:
     darkest: int = 0  # level of the first mask, as it is stored
     shades: int = 2  # levels of the first mask
     above_half: float = 0.0  # share of its pixels
+    first: Path = Path("masks/camera/0.png")  # its file
 
 
 def mask_evidence(capture: Capture, camera: int, frames: Sequence[int], moves: Sequence[Bools]) -> MaskEvidence | None:
@@ -65,12 +69,12 @@ def mask_evidence(capture: Capture, camera: int, frames: Sequence[int], moves: S
     darkest, shades, half = int(levels.min()), len(np.unique(levels)), float((levels >= _HALF).mean())
     marked = tuple(float(mask.mean()) for mask in masks)
     if not moves:
-        return MaskEvidence(marked, darkest=darkest, shades=shades, above_half=half)
+        return MaskEvidence(marked, darkest=darkest, shades=shades, above_half=half, first=file)
     moving = np.stack(moves)
     at_size = np.stack([_resized(mask, moving.shape[1:]) for mask in masks])
     of_moving = float(at_size[moving].mean()) if moving.any() else 0.0
     of_still = float(at_size[~moving].mean()) if not moving.all() else 0.0
-    return MaskEvidence(marked, float(moving.mean()), of_moving, of_still, darkest, shades, half)
+    return MaskEvidence(marked, float(moving.mean()), of_moving, of_still, darkest, shades, half, file)
 
 
 def judge_masks(names: Sequence[str], evidence: Sequence[MaskEvidence | None]) -> list[Finding]:
@@ -85,6 +89,7 @@ def judge_masks(names: Sequence[str], evidence: Sequence[MaskEvidence | None]) -
         cameras = [name for name, found in faults.items() if found is fault]
         if cameras:
             problem, cure = _words(fault, [given[name] for name in cameras])
+            cure = cure.format(_files([given[name] for name in cameras], all_of_them=len(cameras) == len(given)))
             findings.append(Finding(False, () if len(cameras) == len(names) else tuple(cameras), problem, cure))
     return findings
 
@@ -119,7 +124,7 @@ def _words(fault: MaskFault, masks: Sequence[MaskEvidence]) -> tuple[str, str]:
             problem = (
                 f"the masks are inverted: they mark {of_still} of the pixels that stand still, {of_moving} of those"
             )
-            return f"{problem} that move", "mogrify -negate masks/*/*.png (ImageMagick) exchanges black and white"
+            return f"{problem} that move", "mogrify -negate {} (ImageMagick) exchanges black and white"
         case MaskFault.MISPLACED:
             problem = f"the masks mark {of_moving} of the pixels that move and {of_still} of the others"
             return problem, "are they of other frames, or of another camera? Without their folder masks are computed"
@@ -130,6 +135,15 @@ def _words(fault: MaskFault, masks: Sequence[MaskEvidence]) -> tuple[str, str]:
                 f"the masks have up to {max(one.shades for one in masks)} levels, as after JPEG or with soft edges"
             )
             return f"{problem}: {marked} of the pixels are above 0 and move, {half} are above half", _THRESHOLD
+
+
+def _files(masks: Sequence[MaskEvidence], *, all_of_them: bool) -> str:
+    """Return the masks of these cameras as a shell's patterns, and of no other."""
+    if all_of_them and len({(one.first.parent.parent, one.first.suffix) for one in masks}) == 1:
+        return f"{shlex.quote(str(masks[0].first.parent.parent))}/*/*{masks[0].first.suffix}"
+    more = f" and so on for {len(masks) - _MOST_NAMED} more" if len(masks) > _MOST_NAMED else ""
+    named = (f"{shlex.quote(str(one.first.parent))}/*{one.first.suffix}" for one in masks[:_MOST_NAMED])
+    return " ".join(named) + more
 
 
 def _resized(mask: Bools, shape: tuple[int, ...]) -> Bools:

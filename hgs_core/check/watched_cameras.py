@@ -1,7 +1,8 @@
 """Dead spans of cameras: frozen, blank or repeated pictures while the other cameras see motion.
 
 The offset of such a camera means nothing. A camera counts as frozen only where the others' pictures change, and as
-blank only where theirs are not: a pause of the scene and lights that go out concern all cameras.
+blank only where theirs are not: a pause of the scene and lights that go out concern all cameras. Most others are to
+change, or one where a camera shows the same picture, without noise, half of the time: most cameras may have frozen.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ __all__ = ["DeadSpan", "Death", "WatchedCamera", "watch_cameras"]
 _BLANK_SPREAD = 1.5  # levels
 _STILL = 0.15  # mean change, as a share of the usual one
 _STILL_ENERGY = 0.02  # motion energy, as a share of the usual one
+_WITHOUT_NOISE = 0.05  # mean change, levels
 _ALIVE_PERCENTILE = 85
 _LEAST_USUAL = 0.3  # share of the other cameras' value
 _FLOOR = 0.3  # levels of noise
@@ -108,6 +110,8 @@ def watch_cameras(
     moving = (energy > _STILL_ENERGY * usual[:, None]) & (energy > 0)
     others_move = _in_most_others(moving, among=np.asarray(moving.any(axis=1), bool))
     still = ~moving & (mean <= _STILL * usual_mean[:, None]) & ~(blank[:, 1:] & blank[:, :-1])
+    alone = still & (mean <= _WITHOUT_NOISE) & moving.any(axis=0)
+    others_move |= alone & (2 * alone.sum(axis=1) >= alone.shape[1])[:, None]
     watched = []
     for index, (one, picture) in enumerate(zip(changes, pictures, strict=True)):
         spans = _blank_spans(one, blank[index], picture)

@@ -13,7 +13,8 @@ from hgs_core.base.errors import InputError
 from hgs_core.edit.viewed_scene import Edit, ViewedScene
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.rotations import matrices, product, unit_quaternions
-from hgs_core.scene.splats import DynamicSplats, StaticSplats
+from hgs_core.scene.splat_limits import LARGEST_COORDINATE, LARGEST_LOG_SCALE
+from hgs_core.scene.splats import DynamicSplats, HybridScene, StaticSplats
 
 __all__ = ["UPWARDS", "Similarity", "orient", "turn_about", "turn_up"]
 
@@ -74,7 +75,7 @@ def orient(viewed: ViewedScene, change: Similarity, *, up: bool = False) -> Edit
     The cameras see what they saw: their pictures are the same, but for rounding.
 
     Raises:
-        InputError: the scale is not positive.
+        InputError: the scale is not positive, or 32-bit numbers cannot hold the places and sizes that result.
     """
     if not (change.scale > 0 and math.isfinite(change.scale)):
         raise InputError("--scale", f"{change.scale} is not positive", "give a factor above 0")
@@ -84,10 +85,27 @@ def orient(viewed: ViewedScene, change: Similarity, *, up: bool = False) -> Edit
     elif chosen is not None:
         x, y, z = (float(v) for v in change.rotation @ chosen)
         chosen = x, y, z
-    segments = tuple(dataclasses.replace(s, dynamic=_dynamic(s.dynamic, change)) for s in scene.segments)
-    moved = dataclasses.replace(scene, static=_static(scene.static, change), segments=segments)
+    with np.errstate(over="ignore"):  # refused below
+        segments = tuple(dataclasses.replace(s, dynamic=_dynamic(s.dynamic, change)) for s in scene.segments)
+        moved = dataclasses.replace(scene, static=_static(scene.static, change), segments=segments)
+    _require_kept(moved)
     cameras = tuple(_camera(camera, change) for camera in viewed.cameras)
     return Edit(ViewedScene(moved, cameras, viewed.times, chosen, viewed.begins))
+
+
+def _require_kept(scene: HybridScene[Floats]) -> None:
+    sets = [scene.static, *(segment.dynamic for segment in scene.segments)]
+    places = [splats.means if isinstance(splats, StaticSplats) else splats.motion[:, 0] for splats in sets]
+    farthest = max((float(np.abs(own).max(initial=0.0)) for own in places), default=0.0)
+    longest = np.concatenate([splats.log_scales.max(axis=1, initial=-np.inf) for splats in sets])
+    if len(longest) == 0:
+        return
+    usual = float(np.median(longest))
+    step = float(np.spacing(np.float32(min(farthest, LARGEST_COORDINATE))))  # between neighbouring numbers
+    if farthest > LARGEST_COORDINATE or abs(usual) > LARGEST_LOG_SCALE or step > math.exp(usual):
+        size = f"e^{usual:.3g}" if abs(usual) > LARGEST_LOG_SCALE else f"{math.exp(usual):.2g}"
+        problem = f"splats of size {size} would lie up to {farthest:.3g} from the origin, beyond 32-bit numbers"
+        raise InputError("--scale and --translate", problem, "scale nearer to 1, move by less, or move back first")
 
 
 def _static(splats: StaticSplats[Floats], change: Similarity) -> StaticSplats[Floats]:

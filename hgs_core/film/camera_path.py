@@ -132,6 +132,8 @@ def load_camera_path(file: Path) -> CameraPath:
     except (ValueError, RecursionError) as error:
         raise InputError(file, f"is no JSON ({error})", "write it as docs/interchange.md says") from error
     root = field_of(document, file)
+    if not isinstance(document, dict) or "format" not in document:
+        raise InputError(file, "is no camera path: it has no format", "write it as docs/interchange.md says")
     if root["format"].text() != FORMAT:
         raise root["format"].error(f"is {root['format'].value!r}, expected {FORMAT!r}")
     root["version"].whole(VERSION, VERSION)

@@ -47,10 +47,11 @@ def film_file(
         sound: [channels, samples] at `SAMPLE_RATE`, or None.
         alpha: pictures have alpha; .webm alone keeps it.
     """
-    web = path.suffix == ".webm"
+    web = path.suffix.lower() == ".webm"
     codec = "libvpx-vp9" if web else "libx264"
     muxer, options = ("webm", {}) if web else ("mp4", {"movflags": "faststart"})
     part = path.with_name(f".{path.name}.part")
+    part.parent.mkdir(parents=True, exist_ok=True)
     try:
         with new_container(part, muxer, options) as out:
             video = out.add_stream(codec, rate=rate)

@@ -17,7 +17,7 @@ from hgs_core.base.errors import InputError
 from hgs_core.base.wording import counted
 from hgs_core.capture.cameras.colmap_model import ColmapCamera, ColmapImage, model_files, read_model
 from hgs_core.capture.cameras.rig import CalibratedCamera, CameraFormat, Rig
-from hgs_core.capture.cameras.steady_pose import differing, median_pose, rig_radius, same_pose, spread
+from hgs_core.capture.cameras.steady_pose import differing, median_pose, rig_radius, same_pose, spread, strays
 from hgs_core.capture.files.named_files import plain_name
 from hgs_core.capture.footage import find_places
 from hgs_core.capture.lenses.colmap_lens import colmap_intrinsics
@@ -81,6 +81,11 @@ def _fixed_cameras(
             one = dataclasses.replace(inside[0], world_to_camera=median_pose(poses))
             found.append(_camera(file, one, cameras, (folder, PurePosixPath(folder).name)))
             continue
+        if folder != "." and (stray := strays(poses, radius)):
+            problem = f"{inside[stray[0]].name} has another pose than most pictures of its camera"
+            more = f", and {len(stray) - 1} more like this" if len(stray) > 1 else ""
+            cure = "remove it from the model: colmap image_deleter, or its two lines of images.txt"
+            raise InputError(file, f"{problem}{more}", cure)
         for image in inside:
             path = _path(image)
             whole = str(path.with_suffix("")) if path.name else image.name

@@ -7,10 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["differing", "median_pose", "pose_groups", "rig_radius", "same_pose", "spread"]
+__all__ = ["differing", "median_pose", "pose_groups", "rig_radius", "same_pose", "spread", "strays"]
 
 _SAME_TURN = 2e-3  # radians, and
 _SAME_PLACE = 2e-3  # share of the rig's radius between poses of one camera: structure from motion is not exact
+_MOST_STRAYS = 0.25  # share of the poses of one camera
 _EXACT = 1e-5  # rounding to six digits, not worth a note
 
 Pose = npt.NDArray[np.float64]
@@ -44,6 +45,13 @@ def pose_groups(poses: Sequence[Pose], radius: float) -> list[list[int]]:
             groups.append([index])
             firsts = np.concatenate((firsts, pose[None]))
     return groups
+
+
+def strays(poses: Sequence[Pose], radius: float) -> list[int]:
+    """Return the indices of few poses that are elsewhere than all others, of a camera that stands still; else none."""
+    largest = max(pose_groups(poses, radius), key=len)
+    others = sorted(set(range(len(poses))) - set(largest))
+    return others if len(others) <= _MOST_STRAYS * len(poses) else []
 
 
 def median_pose(poses: Sequence[Pose]) -> Pose:

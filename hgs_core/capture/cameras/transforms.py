@@ -21,8 +21,9 @@ import numpy as np
 import numpy.typing as npt
 
 from hgs_core.base.errors import InputError
+from hgs_core.base.wording import shown
 from hgs_core.capture.cameras.rig import CalibratedCamera, CameraFormat, Rig
-from hgs_core.capture.cameras.steady_pose import differing, median_pose, pose_groups, rig_radius, spread
+from hgs_core.capture.cameras.steady_pose import differing, median_pose, pose_groups, rig_radius, spread, strays
 from hgs_core.capture.cameras.transforms_file import TRANSFORMS_FILE, Frame, missing, read_frames, transforms_files
 from hgs_core.capture.cameras.transforms_frame import camera_of_frame
 from hgs_core.capture.cameras.transforms_times import FrameTimes, frame_times
@@ -47,6 +48,7 @@ def _rig(capture: Path, file: Path, files: tuple[Path, ...], frames: list[Frame]
     if all(is_video(frame.file.name) or frame.file.is_dir() for frame in frames):
         return Rig(files, [_whole(frame) for frame in frames])
     cameras, notes = _cameras(frames, poses)
+    _require_no_strays(file, frames, poses)
     if len(cameras) == len(frames):
         if len(moments) > 1 or file.name.lower() != TRANSFORMS_FILE:
             problem = f"its {len(frames)} frames are each from another place: one camera that moves (D-NeRF, Blender)"
@@ -91,6 +93,24 @@ def _stand_still(cameras: list[list[Frame]]) -> bool:
     spans = [max(own) - min(own) for own in times]
     whole = max(map(max, times)) - min(map(min, times))
     return min(spans) > 0.5 * whole
+
+
+def _require_no_strays(file: Path, frames: list[Frame], poses: list[Pose]) -> None:
+    """Refuse few poses that are elsewhere than all others of a folder, where each folder is a camera's.
+
+    Raises:
+        InputError: names the first such frame.
+    """
+    folders: dict[Path, list[int]] = defaultdict(list)
+    for index, frame in enumerate(frames):
+        folders[frame.file.parent].append(index)
+    radius = rig_radius(poses)
+    found = [own[stray] for own in folders.values() for stray in strays([poses[index] for index in own], radius)]
+    if found and len(folders) > 1:
+        more = f", and {len(found) - 1} more like this" if len(found) > 1 else ""
+        named = shown(str(frames[found[0]].values["file_path"]))
+        problem = f"{named} has another pose than most pictures of its folder{more}"
+        raise InputError(file, problem, "correct its transform_matrix, or take the frame out of the list")
 
 
 def _photographs(capture: Path, files: tuple[Path, ...], frames: list[Frame]) -> Rig:

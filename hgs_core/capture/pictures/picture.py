@@ -103,12 +103,12 @@ def reduced_mask(mask: npt.NDArray[np.bool_], size: Camera) -> npt.NDArray[np.bo
 
 
 def list_folder(folder: Path) -> dict[str, int]:
-    """Return the names and sizes in bytes of the files in a folder; of none if the folder does not exist.
+    """Return the names and sizes in bytes of the files in a folder, hidden ones left out; of none if it does not exist.
 
     Raises:
         InputError: the folder may not be read, or a link in it leads to itself.
     """
-    return {entry.name: entry.stat().st_size for entry in _entries(folder) if _safely(entry, entry.is_file)}
+    return {e.name: e.stat().st_size for e in _entries(folder) if _safely(e, e.is_file)}
 
 
 def list_folders(folder: Path) -> list[str]:
@@ -117,7 +117,7 @@ def list_folders(folder: Path) -> list[str]:
     Raises:
         InputError: the folder may not be read, or a link in it leads to itself.
     """
-    return sorted(e.name for e in _entries(folder) if not e.name.startswith(".") and _safely(e, e.is_dir))
+    return sorted(e.name for e in _entries(folder) if _safely(e, e.is_dir))
 
 
 def numbered_pictures(folder: Path) -> dict[int, Path]:
@@ -128,7 +128,7 @@ def numbered_pictures(folder: Path) -> dict[int, Path]:
 def _entries(folder: Path) -> list[os.DirEntry[str]]:
     try:
         with os.scandir(folder) as entries:
-            return list(entries)
+            return [entry for entry in entries if not entry.name.startswith(".")]  # as macOS leaves ._0001.png
     except (FileNotFoundError, NotADirectoryError):
         return []
     except OSError as error:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import datetime
 import re
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 from pathlib import Path
 
 __all__ = ["Numbers", "labels_of", "numbers_in"]
@@ -13,7 +15,12 @@ Numbers = tuple[tuple[int, ...], ...]
 
 _DIGITS = re.compile(r"\d+")
 _DECIMAL = re.compile(r"(?<![\d.])(\d+)\.(\d+)\D*$")
-_OF_DAY = re.compile(r"(?<!\d)([01]\d|2[0-3])([-_.:h]?)([0-5]\d)[-_.:m]?([0-5]\d)[-_.,:s]?(\d{3,9})\D*$")
+_DATE = r"(?<!\d)((?:19|20)\d\d)[-_.]?(\d\d)[-_.]?(\d\d)[-_.Tt ]{0,3}"
+_TIME = r"([01]\d|2[0-3])[-_.:h]?([0-5]\d)[-_.:m]?([0-5]\d)"
+_FRACTION = r"(\d{3,9})\D*$"
+_OF_DATE = re.compile(rf"{_DATE}{_TIME}[-_.,:s]?{_FRACTION}")
+_OF_DAY = re.compile(rf"(?<!\d)()()(){_TIME}[-_.,:s]?{_FRACTION}")
+_IN_ONE = re.compile(rf"{_DATE}{_TIME}{_FRACTION}")  # a number that counts may follow a date and a time
 _SINCE_1970 = {13: 1e-3, 16: 1e-6, 19: 1e-9}  # seconds of one, by the digits of a number that begins with 1
 
 
@@ -33,11 +40,14 @@ def numbers_in(labels: Sequence[Sequence[str]]) -> tuple[Numbers, float | None] 
     groups = [[_DIGITS.findall(label)[::-1] for label in own] for own in labels]  # the last of a name first
     changing = [[p for p in range(len(own[0])) if len({int(one[p]) for one in own}) > 1] for own in groups]
     places = sorted({place for own in changing for place in own} or {0})
-    if max(map(len, changing)) > 1:
-        if places == [0, 1] and (read := _matched(labels, _DECIMAL, _decimal)) is not None:
-            return read
-        if (read := _matched(labels, _OF_DAY, _of_day)) is not None:
-            return read
+    several = max(map(len, changing)) > 1
+    if (dated := _matched(labels, _OF_DATE if several else _IN_ONE, _of_day)) is not None:
+        return dated
+    decimal = _matched(labels, _DECIMAL, _decimal) if several and places == [0, 1] else None
+    of_day = _matched(labels, _OF_DAY, _of_day)
+    if decimal is not None and (of_day is None or _spread(decimal[0]) <= _spread(of_day[0])):
+        return decimal
+    if several:
         counted = [[place] * len(groups) for place in places]
     else:  # each camera may have its number at another place
         counted = [
@@ -51,6 +61,8 @@ def numbers_in(labels: Sequence[Sequence[str]]) -> tuple[Numbers, float | None] 
     if len(counted) > 1:  # numbers that occur once tell pictures apart
         columns = [column for column in columns if all(len(set(own)) == len(own) for own in column)]
     stamps = [column for column in columns if _since_1970(column) is not None]
+    if of_day is not None and not stamps and (several or _spread(of_day[0]) < _spread(columns[0])):
+        return of_day  # as where 145959967 is followed by 150000000
     best = next(iter(stamps or columns), None)
     return None if best is None else (best, _since_1970(best))
 
@@ -62,11 +74,11 @@ def _place_of_one(names: list[list[str]], groups: list[list[list[str]]], changin
 
 
 def _matched(
-    labels: Sequence[Sequence[str]], pattern: re.Pattern[str], value: Callable[[re.Match[str]], tuple[int, str]]
+    labels: Sequence[Sequence[str]], pattern: re.Pattern[str], value: Callable[[re.Match[str]], tuple[int, str] | None]
 ) -> tuple[Numbers, float | None] | None:
     """Return names of one pattern as whole numbers of their finest digit, of a whole part and a fraction of it."""
     found = [[pattern.search(label) for label in own] for own in labels]
-    parts = [[value(match) for match in own if match] for own in found]
+    parts = [[part for match in own if match and (part := value(match)) is not None] for own in found]
     if any(len(own) < len(all_of_them) for own, all_of_them in zip(parts, labels, strict=True)):
         return None
     width = max(len(fraction) for own in parts for _, fraction in own)
@@ -80,8 +92,20 @@ def _decimal(match: re.Match[str]) -> tuple[int, str]:
     return int(match[1]), match[2]
 
 
-def _of_day(match: re.Match[str]) -> tuple[int, str]:
-    return (int(match[1]) * 60 + int(match[3])) * 60 + int(match[4]), match[5]
+def _of_day(match: re.Match[str]) -> tuple[int, str] | None:
+    """Return the second and its fraction, since midnight or since the year 1; None: there is no such day."""
+    year, month, day, hour, minute, second, fraction = match.groups()
+    try:
+        days = datetime.date(int(year), int(month), int(day)).toordinal() if year else 0
+    except ValueError:
+        return None
+    return ((days * 24 + int(hour)) * 60 + int(minute)) * 60 + int(second), fraction
+
+
+def _spread(numbers: Numbers) -> float:
+    """Return by how much the largest step exceeds the usual one; infinite where numbers do not go on."""
+    steps = sorted(b - a for own in numbers for a, b in pairwise(own))
+    return steps[-1] / steps[len(steps) // 2] if steps and steps[0] > 0 else float("inf")
 
 
 def _since_1970(numbers: Numbers) -> float | None:

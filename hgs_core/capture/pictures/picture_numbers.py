@@ -27,6 +27,8 @@ _EVEN = 0.1  # share of the usual step; steps of time stamps differ by less
 _COARSE = 10  # times the step that all numbers share, from which on uneven steps are time stamps
 _FEWEST_STEPS = 5  # steps that identify time stamps
 _LONGEST = 10**9  # frames, a year at 30 a second
+_DAY = 86400  # seconds
+_FEWEST_COUNTED = 1000  # numbers of a counter that begins anew
 _MOST_CAMERAS = 12  # cameras listed in a message
 _MOST_NAMED = 6  # gaps that a note names
 
@@ -145,6 +147,8 @@ def picture_numbers(
                 raise InputError(later, problem, "take one of them away")
     if any(a >= b for own in numbers for a, b in pairwise(own)):
         return in_a_row
+    for name, own, paths in zip(cameras, numbers, files, strict=True):
+        _require_one_turn(name, own, paths, unit)
     origin = numbers[0][0]
     step = math.gcd(*(number - origin for own in numbers for number in own)) or 1
     unit = unit or _uneven(numbers, step)
@@ -164,6 +168,26 @@ def _uneven(numbers: Numbers, step: int) -> float | None:
     if any(abs(one / usual - round(one / usual)) > _EVEN for one in steps):
         return None
     return 1e-3 if usual < 1e3 else 1e-6 if usual < 1e6 else 1e-9
+
+
+def _require_one_turn(camera: str, numbers: Sequence[int], files: Sequence[Path], unit: float | None) -> None:
+    """Refuse counters that begin anew, and times of a day that go over midnight: names have another order then.
+
+    Raises:
+        InputError: the pictures before the largest gap were taken last.
+    """
+    gap, last = max((b - a, place) for place, (a, b) in enumerate(pairwise(numbers))) if len(numbers) > 1 else (0, 0)
+    turn = round(_DAY / unit) if unit is not None else 10 ** len(str(numbers[-1]))
+    late = f"{files[0].name} to {files[last].name}" if last else files[0].name
+    if unit is not None and numbers[-1] < turn < 2 * gap:
+        problem = f"its pictures go over midnight, and by their names {late} come first"
+        dated = " and ".join(
+            f"{day}_{file.name}" for day, file in (("2026-01-02", files[0]), ("2026-01-01", files[-1]))
+        )
+        raise InputError(files[0].parent, problem, f"put dates before the names of all, as in {dated}")
+    if unit is None and turn >= _FEWEST_COUNTED and numbers[0] < 2 and numbers[-1] == turn - 1 and 2 * gap > turn:
+        problem = f"the counter of {camera} begins anew after {files[-1].name}, and by their names {late} come first"
+        raise InputError(files[0].parent, problem, f"add {turn - numbers[0]} to their numbers")
 
 
 def _by_label(where: object, cameras: Sequence[str], labels: Sequence[Sequence[str]]) -> None:

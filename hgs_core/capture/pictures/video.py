@@ -81,6 +81,9 @@ class VideoReader:
             raise InputError(path, "the video is to be shown mirrored or tilted", cure)
         self._turns = turns
         self.wide_colours = wide_colours_of(packets.first[0])
+        self._transparent = any(component.is_alpha for component in packets.first[0].format.components)
+        if self._transparent and self._alpha(packets.first[0], packets.size).min() < 255:
+            self.notes.append("what is transparent in the video is black")
         packets.first.clear()  # a decoded picture for each camera would stay in memory
         self._stored = packets.size  # width and height that frames are brought to before they are turned
         self.width, self.height = self._turned(packets.size)
@@ -135,11 +138,24 @@ class VideoReader:
         Raises:
             InputError: the video is damaged.
         """
-        import av
-
         key = self._packets.stamps.index(
             self._packets.keys[max(0, bisect_right(self._packets.keys, self._packets.stamps[index]) - 1)]
         )
+        for start in dict.fromkeys((key, 0)):  # where an index is missing, as in MPEG-PS, FFmpeg may seek too far
+            found = self._decoded(index, start, neighbours)
+            if found is not None:
+                return found
+            self._close()
+        raise InputError(self.path, f"frame {index} cannot be decoded", "export the camera's video again")
+
+    def _decoded(self, index: int, key: int, neighbours: int) -> tuple[npt.NDArray[np.uint8], list[Neighbour]] | None:
+        """Return frame `index` as `read` does, decoded from where the decoder is or from `key`; None: it did not come.
+
+        Raises:
+            InputError: the video is damaged.
+        """
+        import av
+
         passed: list[Neighbour] = []
         try:
             # Frames that the caller keeps on the way are worth decoding, even where a key frame would skip them.
@@ -163,11 +179,10 @@ class VideoReader:
         except (av.FFmpegError, OSError) as error:
             self._close()
             raise self._unreadable(error, index) from error
-        self._close()
-        raise InputError(self.path, f"frame {index} cannot be decoded", "export the camera's video again")
+        return None
 
     def _seek(self, key: int) -> None:
-        if self._packets.counted:
+        if self._packets.counted or key == 0:
             self._close()
         if self._container is None:
             self._container = open_container(self.path)
@@ -175,7 +190,7 @@ class VideoReader:
             context.thread_count = 1  # frame threads would hold several pictures for each of many cameras
             context.options = {"err_detect": "explode"}  # damage is an error, never a guessed picture
         stream = self._video(self._container)
-        if not self._packets.counted:
+        if not self._packets.counted and key > 0:
             self._container.seek(self._packets.stamps[key], stream=stream, backward=True)
         self._frames = self._container.decode(stream)
         self._next = key
@@ -217,11 +232,18 @@ class VideoReader:
                 threads=1,
                 src_colorspace=matrix,
             )
-            return np.ascontiguousarray(
-                np.rot90(self.wide_colours.shown(np.asarray(deep.to_ndarray(), np.uint16)), self._turns)
-            )
-        picture = self._reformatter.reformat(frame, width, height, "rgb24", interpolation=best, threads=1).to_ndarray()
+            picture = self.wide_colours.shown(np.asarray(deep.to_ndarray(), np.uint16))
+        else:
+            plain = self._reformatter.reformat(frame, width, height, "rgb24", interpolation=best, threads=1)
+            picture = np.asarray(plain.to_ndarray(), np.uint8)
+        if self._transparent:
+            picture = ((picture.astype(np.uint16) * self._alpha(frame, self._stored) + 127) // 255).astype(np.uint8)
         return np.ascontiguousarray(np.rot90(picture, self._turns))
+
+    def _alpha(self, frame: av.VideoFrame, size: tuple[int, int]) -> npt.NDArray[np.uint16]:
+        """Return the opacity of a frame's pixels [H, W, 1], 0..255."""
+        deep = self._reformatter.reformat(frame, *size, "rgba", threads=1)
+        return deep.to_ndarray()[..., 3:].astype(np.uint16)
 
     def _unreadable(self, error: Exception, index: int | None = None) -> InputError:
         what = "the video" if index is None else f"frame {index}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from pathlib import Path
@@ -22,6 +23,7 @@ __all__ = ["VideoPackets", "open_stream"]
 
 _LARGEST_ASPECT = 4  # times as wide as high, or as high as wide; anamorphic lenses double
 _CURE = "copy or export the camera's video again"
+_WITH_ALPHA = {"vp8": "libvpx", "vp9": "libvpx-vp9"}  # FFmpeg's decoders of transparency in WebM
 _PROGRESSIVE = 1  # AVFieldOrder: 0 is unknown, from 2 on frames are of two fields
 
 
@@ -66,13 +68,20 @@ class VideoPackets:
                     Fraction(stream.time_base or 0),
                     # AVI and bare streams do not store when a frame is shown: frames come in the decoder's order.
                     bare or container.format.name == "avi",
-                    stream.metadata.get("timecode") or container.metadata.get("timecode"),
+                    _tag(stream.metadata, "timecode") or _tag(container.metadata, "timecode"),
                     Fraction(stream.sample_aspect_ratio or 1),
                     context.field_order > _PROGRESSIVE,
                     notes=[said] if said else [],
                 )
-                announced = 0 if found.counted else stream.frames
-                damaged = found._read(container, stream, bare)
+                # Of frames that an edit list cuts, the index has few; a truncated file has the whole index.
+                indexed = len(stream.index_entries)
+                announced = 0 if found.counted else min(stream.frames, indexed or stream.frames)
+                cut, damaged = found._read(container, stream, bare)
+                decoder = _WITH_ALPHA.get(context.name)
+                if decoder is not None and _tag(stream.metadata, "alpha_mode") == "1":
+                    on_black = "-vf premultiply=inplace=1 -pix_fmt yuv420p -c:v libx264 -crf 12"
+                    cure = encode_again(path, reading=f"-c:v {decoder}", writing=on_black)
+                    found.notes.append(f"what is transparent in the video is taken as stored; black it is by {cure}")
         except (av.FFmpegError, OSError) as error:
             raise unreadable(path, error, _CURE, "the video is unreadable") from error
         if bare and found.rate:
@@ -81,10 +90,10 @@ class VideoPackets:
         if not 1 / _LARGEST_ASPECT <= found.aspect <= _LARGEST_ASPECT:
             found.notes.append(f"pixels of {found.aspect} are no camera's, and taken to be square")
             found.aspect = Fraction(1)
-        found._check(path, announced, damaged)
+        found._check(path, announced - cut, damaged)
         found.interlaced |= any(frame.interlaced_frame for frame in found.first)
         found.stamps.sort()
-        found.keys = sorted(found.keys) if found.keys and not found.counted else [found.stamps[0]]
+        found.keys = [found.stamps[0]] if found.counted else sorted({found.stamps[0], *found.keys})
         return found
 
     def with_first_frame(self, path: Path) -> VideoPackets:
@@ -108,13 +117,14 @@ class VideoPackets:
             raise unreadable(path, error, _CURE, "the video is unreadable") from error
         raise InputError(path, "no frame can be decoded", "export the camera's video again")
 
-    def _read(self, container: InputContainer, stream: VideoStream, bare: bool) -> bool:
-        """Read the stamps, in the order of the file; return whether a packet is damaged."""
-        damaged = False
+    def _read(self, container: InputContainer, stream: VideoStream, bare: bool) -> tuple[int, bool]:
+        """Read the stamps, in the order of the file; return the frames that an edit cut, and whether one is damaged."""
+        cut, damaged = 0, False
         for packet in container.demux(stream):
             if not self.first:
                 self.first = stream.codec_context.decode(packet)
             if packet.is_discard or not packet.size:
+                cut += packet.is_discard
                 continue
             if packet.pts is None and not self.stamps:
                 self.counted = True
@@ -128,7 +138,7 @@ class VideoPackets:
             if packet.is_keyframe:
                 self.keys.append(stamp)
             damaged |= packet.is_corrupt
-        return damaged
+        return cut, damaged
 
     def _check(self, path: Path, announced: int, damaged: bool) -> None:
         if not self.stamps:
@@ -145,6 +155,11 @@ class VideoPackets:
             raise InputError(path, "the video does not state its frames per second", cure)
         if not self.first:
             raise InputError(path, "no frame can be decoded", "export the camera's video again")
+
+
+def _tag(tags: Mapping[str, str], called: str) -> str | None:
+    """Return the value of a tag; Matroska writes names in capitals."""
+    return next((value for name, value in tags.items() if name.casefold() == called), None)
 
 
 def open_stream(path: Path, container: InputContainer) -> tuple[VideoStream, str]:

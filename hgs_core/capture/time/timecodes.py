@@ -13,6 +13,7 @@ __all__ = ["CodedStart", "CodedStarts", "starts_by_timecode", "timecode_seconds"
 
 _TIMECODE = re.compile(r"(\d{1,2}):([0-5]\d):([0-5]\d)([:;.,])(\d{2,3})")
 _UNSET = ("00:00:00:00", "01:00:00:00")  # first codes of recorders with unset clocks
+_DAY = 86400.0  # seconds
 _SAME = 1e-6  # seconds
 
 
@@ -67,6 +68,9 @@ def starts_by_timecode(cameras: Sequence[CodedStart]) -> CodedStarts:
         return CodedStarts(())
     if _overlap(known, cameras):
         return CodedStarts(tuple(known))
+    over = [start + _DAY * (start < _DAY / 2) for start in known]
+    if max(known) - min(known) > _DAY / 2 and _overlap(over, cameras):
+        return CodedStarts(tuple(over), ("the time codes go over midnight",))
     dropping = [_drops(one.code) for one in cameras]
     if any(dropping) and not all(dropping):
         alike = [timecode_seconds(one.code, one.rate, dropping=True) or 0.0 for one in cameras]

@@ -28,7 +28,7 @@ def test_videos_by_their_endings(name: str) -> None:
     assert not is_picture(name)
 
 
-@pytest.mark.parametrize("name", ["mp4", "poses_bounds.npy", "a.LRV", "a.txt", "a.jpg"])
+@pytest.mark.parametrize("name", ["mp4", "poses_bounds.npy", "a.LRV", "a.txt", "a.jpg", "._a.mp4"])
 def test_other_files_are_no_videos(name: str) -> None:
     assert not is_video(name)
 
@@ -49,6 +49,13 @@ def test_a_folder_for_each_camera_or_each_moment(tmp_path: Path) -> None:
     places = found(tmp_path)
     assert places["folders", "."] == ["t0", "t1"]
     assert places["moments", "."] == ["a", "b"]
+
+
+def test_hidden_files_are_no_footage(tmp_path: Path) -> None:
+    touch(tmp_path, "a.mp4", "b.mp4", "._a.mp4", "images/a/1.png", "images/a/._1.png", "images/b/1.png")
+    places = found(tmp_path)
+    assert places["videos", "."] == ["a", "b"]
+    assert places["photographs", "images"] == ["a/1", "b/1"]
 
 
 def test_what_only_some_moments_have_is_no_camera_of_them(tmp_path: Path) -> None:

@@ -37,6 +37,13 @@ def test_a_dead_camera_stops_and_its_span_is_named(fault: Fault, words: str) -> 
     assert "--hold-out c" in finding.cure
 
 
+def test_most_cameras_may_have_frozen() -> None:
+    filmed = films(FRAMES)
+    watched = watch_cameras(pictures([*map(frozen(15, 39), filmed[:4]), filmed[4]]), watched_frames(FRAMES))
+    assert [finding.cameras[0] for finding in judge_dead(NAMES, watched)] == ["a", "b", "c", "d"]
+    assert [camera.energy() is None for camera in watched] == [True] * 4 + [False]
+
+
 @pytest.mark.parametrize("fault", [every(2), frozen(15, 21), blank(6, 6, 0)])
 def test_a_camera_that_is_mostly_alive_is_reported_and_trained(fault: Fault) -> None:
     (finding,) = judge_dead(NAMES, watch(fault))

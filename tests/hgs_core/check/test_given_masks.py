@@ -62,6 +62,18 @@ def test_wrong_masks_are_named(tmp_path: Path, levels: object, words: str) -> No
     assert words in finding.problem
 
 
+def test_the_cure_changes_the_masks_of_the_cameras_that_are_wrong_and_no_others(tmp_path: Path) -> None:
+    wrong = []
+    for camera, suffix in (("c 1", ".png"), ("c2", ".PNG")):
+        (tmp_path / camera).mkdir()
+        masked = Masked(tmp_path / camera, [np.where(one, 0, 255).astype(np.uint8) for one in motion()], suffix)
+        wrong.append(mask_evidence(masked, 0, range(2), motion()))  # type: ignore[arg-type]
+    (finding,) = judge_masks(NAMES, [GOOD, wrong[0], GOOD, wrong[1]])
+    assert finding.cure.startswith(f"mogrify -negate '{tmp_path}/c 1'/*.png {tmp_path}/c2/*.PNG (")
+    (finding,) = judge_masks(["c 1"], wrong[:1])
+    assert finding.cure.startswith(f"mogrify -negate {tmp_path}/*/*.png (")
+
+
 @pytest.mark.parametrize("levels", [lambda moving: np.where(moving, 1, 0), lambda moving: 3 * moving])
 def test_numbers_of_objects_are_masks(tmp_path: Path, levels: object) -> None:
     numbered = [levels(moving).astype(np.uint8) for moving in motion()]  # type: ignore[operator]

@@ -75,3 +75,17 @@ def test_what_turns_or_scales_nothing_is_refused() -> None:
         turn_about([0, 0, 0, 90])
     with pytest.raises(InputError, match="--up: is no direction"):
         turn_up([0, 0, 0])
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        Similarity(np.array([1.0, 0, 0, 0]), 1e300, np.zeros(3)),
+        Similarity(np.array([1.0, 0, 0, 0]), 1e-300, np.zeros(3)),
+        Similarity(np.array([1.0, 0, 0, 0]), 1.0, np.array([0, 1e39, 0])),
+        Similarity(np.array([1.0, 0, 0, 0]), 1.0, np.array([0, 1e9, 0])),
+    ],
+)
+def test_places_that_numbers_cannot_hold_are_refused(change: Similarity) -> None:
+    with pytest.raises(InputError, match="beyond 32-bit numbers; scale nearer to 1, move by less"):
+        orient(moving(), change)

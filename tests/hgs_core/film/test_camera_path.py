@@ -97,3 +97,10 @@ def test_a_file_that_is_no_json_is_refused(text: str, tmp_path: Path) -> None:
     (tmp_path / "path.json").write_text(text)
     with pytest.raises(InputError, match="is no JSON"):
         load_camera_path(tmp_path / "path.json")
+
+
+@pytest.mark.parametrize("text", ["{}", "[]", "7", '{"keys": []}'])
+def test_a_file_of_something_else_is_refused_with_the_document(text: str, tmp_path: Path) -> None:
+    (tmp_path / "path.json").write_text(text)
+    with pytest.raises(InputError, match=r"path\.json: is no camera path: .*; write it as docs/interchange.md says"):
+        load_camera_path(tmp_path / "path.json")

@@ -37,6 +37,16 @@ def test_colours_times_and_sound_are_kept(suffix: str, tmp_path: Path) -> None:
     assert heard == pytest.approx(0.5, abs=0.06)
 
 
+@pytest.mark.parametrize(("name", "form"), [("new/folder/x.WEBM", "webm"), ("X.MP4", "mp4")])
+def test_a_film_is_what_its_suffix_says_in_capitals_too_and_makes_its_folder(
+    name: str, form: str, tmp_path: Path
+) -> None:
+    with film_file(tmp_path / name, (64, 48), RATE, None, alpha=False) as film:
+        film.add(SQUARE[..., :3].copy())
+    with av.open(str(tmp_path / name)) as file:
+        assert form in file.format.name.split(",")
+
+
 def test_webm_keeps_alpha(tmp_path: Path) -> None:
     with film_file(tmp_path / "x.webm", (64, 48), RATE, None, alpha=True) as film:
         film.add(SQUARE)

@@ -130,11 +130,23 @@ report {capture}
 report {run} --out {empty}
 report {run} --against {none}
 report {run} --against
+render
+render {run} --out {out}.avi
+render {run} --out {out}.mp4 --size 3x3
+render {run} --out {out}.mp4 --fps 1/0
+render {run} --out {out}.mp4 --path {junk}
+render {run} --out {file}/x.mp4
+render {none} --out {out}.mp4
+backup {file}
+restore {junk}
+restore {none}
 edit
 edit {run}
 edit {run} --out {out}
 edit {none} --out {out} --trim=0,1
 edit {run} --out {run} --trim=0,1
+edit {run} --out {out} --scale 1e300
+edit {run} --out {out} --translate=0,1e20,0
 edit {run} --out {out} --trim=1
 edit {run} --out {out} --trim=nan,1
 edit {run} --out {out} --trim=3,4

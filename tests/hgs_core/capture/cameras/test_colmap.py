@@ -147,6 +147,16 @@ def test_the_median_of_a_camera_s_poses_counts_and_their_spread_is_said(tmp_path
     assert "differ by up to 0 degrees and 0.0003 units of length" in rig.notes[0]
 
 
+def test_an_image_that_was_placed_elsewhere_is_named_and_the_cure_cures(tmp_path: Path) -> None:
+    poses = {f"{name}/{i}.png": (float(x), 0.0, 0.0) for name, x in (("a", 0), ("b", 1)) for i in range(5)}
+    write_text(tmp_path / "sparse/0", poses | {"b/3.png": (7.0, 0.0, 0.0)})
+    with pytest.raises(InputError, match=r"images.txt: b/3.png has another pose than most .* its two lines of images"):
+        read(tmp_path)
+    del poses["b/3.png"]
+    write_text(tmp_path / "sparse/0", poses)
+    assert [camera.names for camera in read(tmp_path).cameras] == [("a",), ("b",)]
+
+
 @pytest.mark.parametrize(
     "name", ["cam{}\\0000.png", "C:\\scan\\cam{}\\0000.png", "cam{}.png", "/data/scan/images/cam{}.png"]
 )

@@ -338,6 +338,23 @@ def test_poses_that_jitter_are_one_camera_and_their_median_counts(tmp_path: Path
     assert sum("from picture to picture; their median is taken" in note for note in capture.notes) == 1
 
 
+@pytest.mark.parametrize("away", [0.1, 1e4])
+def test_a_picture_that_was_placed_elsewhere_is_named_and_the_cure_cures(tmp_path: Path, away: float) -> None:
+    layouts.folders(PATTERN)(tmp_path)
+    frames = timed_frames()
+    astray = layouts.FRAMES + 2  # of the second camera
+    frames[astray]["transform_matrix"] = np.array(frames[astray]["transform_matrix"])
+    frames[astray]["transform_matrix"][:3, 3] += away
+    frames[astray]["transform_matrix"] = frames[astray]["transform_matrix"].tolist()
+    layouts.transforms(frames)(tmp_path)
+    with pytest.raises(InputError, match=r"images/cam02/0002.png' has another pose than most pictures of its folder;"):
+        open_capture(tmp_path)
+    del frames[astray]
+    layouts.transforms(frames)(tmp_path)
+    capture = open_capture(tmp_path)
+    assert (len(capture.cameras), len(capture.times)) == (4, layouts.FRAMES - 1)
+
+
 @pytest.mark.parametrize("step", [0.0005, 0.02])
 def test_a_camera_that_moves_slowly_is_no_rig(tmp_path: Path, step: float) -> None:
     """Neighbours on its way are as near as poses that jitter; they are no cameras that last."""

@@ -51,6 +51,12 @@ def test_folders_are_listed_without_hidden_ones(tmp_path: Path) -> None:
     assert list_folders(tmp_path / "gone") == []
 
 
+def test_files_are_listed_without_hidden_ones(tmp_path: Path) -> None:
+    for name in ("1.png", "._1.png", ".DS_Store"):
+        (tmp_path / name).touch()
+    assert list_folder(tmp_path) == {"1.png": 0}
+
+
 def test_floating_point_pictures_are_refused_with_the_cure(tmp_path: Path) -> None:
     Image.fromarray(np.full((4, 4), 0.5, np.float32)).save(tmp_path / "a.tiff")
     with pytest.raises(InputError, match=r"floating-point values.*store 16 bits"):

@@ -68,6 +68,26 @@ def test_equally_many_that_count_from_different_numbers_are_refused_with_both_wa
     assert [int(open_capture(tmp_path).frame(i, 0)[0, 0, 0]) for i in range(4)] == [1, 1, 1, 1]
 
 
+def test_a_counter_that_begins_anew_is_refused_with_the_numbers_that_go_on() -> None:
+    counted = [*range(1, 9), *range(9990, 10000)]
+    with pytest.raises(InputError, match=r"anew after DSC_9999.png, .* DSC_0001.png to DSC_0008.png come f") as refusal:
+        numbered(names(counted, "DSC_{:04d}.png"), names(counted, "DSC_{:04d}.png"))
+    assert refusal.value.cure == "add 9999 to their numbers"
+    renamed = names([*range(9990, 10000), *range(10000, 10008)], "DSC_{:04d}.png")
+    assert numbered(renamed, renamed).notes() == []
+
+
+def test_times_of_a_day_that_go_over_midnight_are_refused_until_they_have_dates() -> None:
+    times = ["00-00-00-016.png", "00-00-00-050.png", "23-59-59-950.png", "23-59-59-983.png"]
+    with pytest.raises(
+        InputError, match=r"go over midnight, .* 00-00-00-016.png to 00-00-00-050.png come f"
+    ) as refusal:
+        numbered(times, times)
+    assert "2026-01-02_00-00-00-016.png and 2026-01-01_23-59-59-983.png" in refusal.value.cure
+    dated = [*(f"2026-01-01_{time}" for time in times[2:]), *(f"2026-01-02_{time}" for time in times[:2])]
+    np.testing.assert_allclose(numbered(dated, dated).seconds(30)[0], [0, 0.033, 0.066, 0.1])
+
+
 def test_two_pictures_of_one_number_are_refused() -> None:
     for twice in (["0001.jpg", "0001.png", "0002.png"], ["1.png", "01.png"], ["1.png", "01.png", "2.png"]):
         with pytest.raises(InputError, match=r"are both picture 1 of camera a; take one of them away"):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Callable
 from pathlib import Path
 
@@ -82,6 +83,31 @@ def test_colours_follow_the_colour_space_that_the_file_states(tmp_path: Path) ->
     assert np.abs(picture.astype(int) - colour).max() <= 3
 
 
+@pytest.mark.parametrize(
+    ("ending", "codec", "form"),
+    [("mov", "png", "rgba"), ("mov", "prores_ks", "yuva444p10le"), ("webm", "vp9", "yuva420p")],
+)
+def test_what_is_transparent_is_black_or_the_note_has_the_command(
+    tmp_path: Path, ending: str, codec: str, form: str
+) -> None:
+    path = tmp_path / f"a.{ending}"
+    picture = np.full((48, 64, 4), (200, 60, 30, 255), np.uint8)
+    picture[:, 32:, 3] = 0
+    with av.open(str(path), "w") as container:
+        stream = container.add_stream("libvpx-vp9" if codec == "vp9" else codec, rate=30)
+        stream.width, stream.height, stream.pix_fmt = 64, 48, form
+        stream.metadata["alpha_mode"] = "1"
+        container.mux(stream.encode(av.VideoFrame.from_ndarray(picture, format="rgba").reformat(format=form)))
+        container.mux(stream.encode())
+    reader = VideoReader(path)
+    read = reader.read(0, 0)[0].astype(int)
+    assert np.abs(read[:, 4:28] - (200, 60, 30)).max() <= 8
+    if codec == "vp9":
+        assert any("ffmpeg -c:v libvpx-vp9 -i a.webm -vf premultiply=inplace=1" in note for note in reader.notes)
+    else:
+        assert (read[:, 36:].max(), reader.notes) == (0, ["what is transparent in the video is black"])
+
+
 def test_garbage_is_no_video(tmp_path: Path) -> None:
     (tmp_path / "cam00.mp4").write_bytes(b"not a video" * 100)
     with pytest.raises(InputError, match=r"cam00\.mp4: the video is unreadable"):
@@ -110,6 +136,24 @@ def test_truncated_video_with_its_header_in_front(sample: Path, tmp_path: Path) 
         VideoReader(path)
 
 
+@pytest.mark.parametrize(("first", "count"), [(0, 8), (4, 8), (4, 16), (7, 3)])
+def test_a_clip_that_was_trimmed_without_encoding_has_the_frames_that_players_show(
+    video: Path, first: int, count: int
+) -> None:
+    """QuickTime and phones keep all frames, and an edit list says which are shown."""
+    data = bytearray(video.read_bytes())
+    edit = data.index(b"elst") + 12  # its first entry: duration, and the time in the medium
+    (tick,) = struct.unpack_from(">I", data, data.index(b"mdhd") + 16)
+    (film,) = struct.unpack_from(">I", data, data.index(b"mvhd") + 16)
+    (begin,) = struct.unpack_from(">i", data, edit + 4)
+    struct.pack_into(">Ii", data, edit, film * count // 30, begin + tick * first // 30)
+    video.write_bytes(data)
+    reader = VideoReader(video)
+    shown = [level(reader.read(index, 0)[0]) for index in (*range(len(reader)), 0, len(reader) - 1)]
+    assert shown == [*LEVELS[first : first + count], LEVELS[first], LEVELS[first + count - 1]]
+    np.testing.assert_allclose(reader.seconds, np.arange(count) / 30, atol=1e-3)
+
+
 def test_damage_inside_a_video_is_an_error_not_a_guess(sample: Path, tmp_path: Path) -> None:
     damaged = bytearray((sample / "cam00.mp4").read_bytes())
     for place in range(300_000, 340_000):
@@ -132,3 +176,19 @@ def test_file_without_a_video_stream(tmp_path: Path) -> None:
         container.mux(stream.encode())
     with pytest.raises(InputError, match="no video stream"):
         VideoReader(path)
+
+
+def test_frames_of_a_file_without_an_index_come_in_every_order(tmp_path: Path) -> None:
+    """MPEG-PS has no index, and FFmpeg, which looks for a time in it, may find a later one."""
+    path = tmp_path / "cam00.mpg"
+    noise = np.random.default_rng(0).integers(-9, 10, (192, 256, 3))  # packets longer than a pack
+    with av.open(str(path), "w", format="mpeg") as container:
+        stream = container.add_stream("mpeg2video", rate=25, options={"g": "6", "b": "3M"})
+        stream.width, stream.height, stream.pix_fmt = 256, 192, "yuv420p"
+        for value in LEVELS:
+            picture = (value + noise).astype(np.uint8)
+            container.mux(stream.encode(av.VideoFrame.from_ndarray(picture, format="rgb24")))
+        container.mux(stream.encode())
+    order = (0, 19, 7, 8, 6, 5, 18, 12, 12, 0)
+    reader = VideoReader(path)
+    assert [level(reader.read(index, 0)[0]) for index in order] == [LEVELS[index] for index in order]

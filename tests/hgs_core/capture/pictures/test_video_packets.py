@@ -22,8 +22,10 @@ def write(
     aspect: Fraction | None = None,
     options: dict[str, str] | None = None,
     stamps: list[int] | None = None,
+    tags: dict[str, str] | None = None,
 ) -> Path:
     with av.open(str(path), "w") as container:
+        container.metadata.update(tags or {})
         stream = cast("av.VideoStream", container.add_stream(codec, rate=30, options=options or {}))
         stream.width, stream.height, stream.pix_fmt = 64, 48, "yuv420p"
         if aspect is not None:
@@ -52,6 +54,13 @@ def write(
 def test_fields_are_noticed(tmp_path: Path, ending: str, codec: str, options: dict[str, str]) -> None:
     assert VideoPackets.of(write(tmp_path / f"a.{ending}", codec=codec, options=options)).interlaced
     assert not VideoPackets.of(write(tmp_path / f"b.{ending}", codec=codec)).interlaced
+
+
+@pytest.mark.parametrize("ending", ["mov", "mkv", "mxf"])
+def test_time_codes_of_every_container_are_read(tmp_path: Path, ending: str) -> None:
+    codec = "mpeg2video" if ending == "mxf" else "libx264"
+    path = write(tmp_path / f"a.{ending}", codec=codec, tags={"timecode": "10:00:00:02"})
+    assert VideoPackets.of(path).timecode == "10:00:00:02"
 
 
 @pytest.mark.parametrize(

@@ -58,6 +58,12 @@ def test_a_camera_of_another_time_is_named_without_a_guess_at_its_clock() -> Non
     assert "near 10:15:00:00: cam2 (11:15:00:00, 3599.98 s after most)" in found.problem
 
 
+def test_codes_that_go_over_midnight_are_of_one_night() -> None:
+    found = starts_by_timecode(starts("23:59:59:20", "00:00:00:02", "23:59:59:29", rate=30.0))
+    assert [second - found.seconds[0] for second in found.seconds] == pytest.approx([0, 0.4, 0.3])
+    assert found.notes == ("the time codes go over midnight",)
+
+
 def test_cameras_all_apart_are_listed() -> None:
     found = starts_by_timecode(starts("10:00:00:00", "11:00:00:00", "12:00:00:00", rate=30.0))
     assert found.problem.endswith("no moment in common: cam0 10:00:00:00, cam1 11:00:00:00, cam2 12:00:00:00")
