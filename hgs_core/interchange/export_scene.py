@@ -11,8 +11,8 @@ from hgs_core.base.errors import InputError
 from hgs_core.base.progress import ProgressCallback
 from hgs_core.interchange.changes import Action, Change, nonzero
 from hgs_core.interchange.cubic import as_cubics
-from hgs_core.interchange.formats import format_of
-from hgs_core.interchange.ply.ply_sequence import write_sequence
+from hgs_core.interchange.formats import format_of, frame_format
+from hgs_core.interchange.frame_sequence import write_sequence
 from hgs_core.interchange.still_moment import scene_at
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSplats
@@ -73,14 +73,14 @@ def export_scene(
 
 
 def export_sequence(
-    scene: HybridScene[Floats], folder: Path, frame_rate: float, progress: ProgressCallback
+    scene: HybridScene[Floats], folder: Path, frame_rate: float, progress: ProgressCallback, frames: str = "ply"
 ) -> tuple[Change, ...]:
-    """Write a scene that moves as a folder of .ply files, one for each frame; return the losses.
+    """Write a scene that moves as a folder of files, one for each frame, of the format `frames`; return the losses.
 
     Raises:
-        InputError: see `write_sequence`.
+        InputError: see `frame_format` and `write_sequence`.
     """
-    changes = write_sequence(scene, folder, frame_rate, progress)
+    changes = write_sequence(scene, folder, frame_format(frames), frame_rate, progress)
     return nonzero((*_unsaid(scene), *changes))
 
 

@@ -53,3 +53,4 @@ class FileFormat:
     # Takes one segment, the scene's cameras, and whether it is drawn antialiased.
     write_moving: Callable[[StaticSplats[Floats], DynamicSplats[Floats], Sequence[Camera], bool], Written] | None = None
     write_whole: Callable[[HybridScene[Floats]], Written] | None = None  # takes all times of a scene
+    frame_bytes: int = 0  # bytes of a splat in a folder of frames, at most; 0: no such folders

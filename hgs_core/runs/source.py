@@ -41,11 +41,12 @@ class Source:
         segment: int | None = None,
         version: int | None = None,
         frame_rate: float | None = None,
+        frames: str | None = None,
         bake: bool = False,
         progress: ProgressCallback = silent,
     ) -> tuple[Change, ...]:
-        """Write the scene to a file (see `export_scene`), or to a folder of frames (`export_sequence`), by default at
-        the capture's rate; with `bake` the softness of the training pictures is in the splats (`with_baked_softness`).
+        """Write the scene to a file (see `export_scene`), or to a folder of frames (`export_sequence`), by default .ply
+        files at the capture's rate; with `bake` the training pictures' softness is in them (`with_baked_softness`).
 
         Raises:
             InputError: an option is not for what is written, or cannot be.
@@ -61,9 +62,10 @@ class Source:
                         option, "is not for a folder of frames", f"leave it out, or export {path.name}.ply"
                     )
             rate = self.frame_rate if frame_rate is None else frame_rate
-            return (*export_sequence(scene, path, rate, progress), *told)
-        if frame_rate is not None:
-            raise InputError("--fps", f"is for a folder of frames, not for {path.suffix}", "leave it out")
+            return (*export_sequence(scene, path, rate, progress, frames or "ply"), *told)
+        for option, given in (("--fps", frame_rate), ("--frames", frames)):
+            if given is not None:
+                raise InputError(option, f"is for a folder of frames, not for {path.suffix}", "leave it out")
         changes = export_scene(scene, path, cameras=self.cameras, time=time, segment=segment, version=version)
         return (*changes, *told)
 
