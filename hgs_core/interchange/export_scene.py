@@ -30,12 +30,13 @@ def export_scene(
     time: float | None = None,
     segment: int | None = None,
     version: int | None = None,
+    frame_rate: float = 30.0,
 ) -> tuple[Change, ...]:
     """Write a scene to `path`, in the format of its suffix, atomically; return the losses.
 
     With `time` (seconds) the scene as it stands then. Without it, .ply is 3DGS's if nothing moves and else, like
     .splatv, the whole of a segment: `segment` names which, and is needed where there are several.
-    `version` is that of .spz.
+    `version` is that of .spz, `frame_rate` that of the samples of .usd.
 
     Raises:
         InputError: an unknown suffix, a time or segment that is missing, needless or not the scene's, or coordinates
@@ -55,8 +56,8 @@ def export_scene(
         raise InputError("--time", f"is not for {path.suffix}, which holds all times", "leave it out, or export .splat")
     if time is not None and not scene.start <= time <= scene.end:
         raise InputError("--time", f"{time} s is outside the scene", f"give {scene.start:g} to {scene.end:g}")
-    if target.write_whole is not None:
-        written = target.write_whole(scene)
+    if target.write_whole is not None and (target.write_still is None or time is None):
+        written = target.write_whole(scene, frame_rate)
     elif target.write_moving is not None and (target.write_still is None or (time is None and moving)):
         dynamic, more = _as_cubics(scene, segment)
         written = target.write_moving(scene.static, dynamic, cameras, scene.antialiased)

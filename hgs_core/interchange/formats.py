@@ -17,10 +17,11 @@ from hgs_core.interchange.sog_writer import META
 from hgs_core.interchange.splat_file import SPLAT
 from hgs_core.interchange.splatv_file import SPLATV
 from hgs_core.interchange.spz.spz_file import SPZ
+from hgs_core.interchange.usd_file import USD
 
 __all__ = ["FORMATS", "IMPORTED", "format_of", "frame_format", "read_splats"]
 
-FORMATS = (PLY, SPLAT, SPLATV, SPZ, GLB, FOURDGS, SOG)
+FORMATS = (PLY, SPLAT, SPLATV, SPZ, GLB, FOURDGS, SOG, *USD)
 
 IMPORTED = tuple(one.suffix for one in FORMATS if one.read is not None)
 """The suffixes of files that can be read."""

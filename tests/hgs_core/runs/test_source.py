@@ -98,7 +98,7 @@ def test_a_folder_gets_frames_at_the_captures_rate_or_at_the_one_asked_for(run: 
         ("frames", {"version": 3}, "--spz-version: is not for a folder of frames"),
         ("x.ply", {"frames": "sog"}, "--frames: is for a folder of frames, not for .ply; leave it out"),
         ("frames", {"frames": "spz"}, "--frames: 'spz' is no format of frames; give one of ply, sog"),
-        ("x.ply", {"frame_rate": 3.0}, "--fps: is for a folder of frames, not for .ply; leave it out"),
+        ("x.ply", {"frame_rate": 3.0}, "--fps: is for frames and samples, and x.ply has none; leave it out"),
     ],
 )
 def test_options_of_something_else_are_refused(
