@@ -41,6 +41,7 @@ STILL: tuple[tuple[str, dict[str, Any]], ...] = (
     ("3.spz", {"version": 3}),
     ("4.spz", {"version": 4}),
     ("still.glb", {}),
+    ("still.sog", {}),
 )
 MOVING = ("moving.ply", "moving.4dgs")
 

@@ -1,5 +1,6 @@
 """Write tests/vectors/pictures: a small scene, and how it looks from some cameras at some times, for other players; and
-tests/vectors/magnification.json: views with the four numbers of their magnification.
+tests/vectors/magnification.json: views with the four numbers of their magnification; and
+tests/vectors/camera_path.json: a camera path with its cameras at some times.
 
 The pictures are the float64 reference backend's of the decoded scene. Run it after a change of the format or of
 docs/numerics.md:
@@ -11,6 +12,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import math
 import shutil
 from pathlib import Path
 from typing import Any
@@ -20,6 +22,7 @@ import torch
 from PIL import Image
 
 from hgs_core.codec import decode_scene, encode_scene
+from hgs_core.film.camera_path import CameraPath, KeyFrame
 from hgs_core.render import rasterize
 from hgs_core.render.magnification import magnification
 from hgs_core.scene import HybridScene, Segment
@@ -120,6 +123,33 @@ def magnifications() -> dict[str, Any]:
     }
 
 
+def camera_path() -> dict[str, Any]:
+    """Return the content of camera_path.json: a path, and its cameras at some times."""
+    path = CameraPath(
+        (
+            KeyFrame(0.2, (0.5, -1.0, -3.0), (0.0, 0.1, 0.0), 50.0),
+            KeyFrame(0.9, (1.5, -0.5, -2.0), (0.2, 0.0, 0.1), 40.0),
+            KeyFrame(1.1, (2.5, -0.7, 0.5), (0.1, -0.2, 0.3), 42.5),
+            KeyFrame(3.0, (-1.0, -1.5, 2.0), (0.0, 0.3, -0.2), 75.0),
+        )
+    )
+    cameras = [
+        (time, path.camera(time, (640, 480), (0.0, -1.0, 0.0))) for time in (0.0, 0.2, 0.3, 0.9, 1.0, 2.0, 2.9, 4.0)
+    ]
+    return {
+        "path": path.to_json(),
+        "cameras": [
+            {
+                "time": time,
+                "position": camera.position.tolist(),
+                "forward": camera.world_to_camera[2, :3].tolist(),
+                "vertical_fov": math.degrees(2 * math.atan(240 / camera.fy)),
+            }
+            for time, camera in cameras
+        ],
+    }
+
+
 def main() -> None:
     shutil.rmtree(OUT, ignore_errors=True)
     encode_scene(scene(), OUT, cameras=rig(), times=np.linspace(0, DURATION, 9), title="Letters")
@@ -128,6 +158,7 @@ def main() -> None:
         rounded = np.rint(np.clip(shown, 0, 1) * 255).astype(np.uint8)
         Image.fromarray(rounded).save(OUT / f"{name}.png", optimize=True)
     (OUT / "pictures.json").write_text(json.dumps(document(), indent=1) + "\n")
+    (VECTORS / "camera_path.json").write_text(json.dumps(camera_path(), indent=1) + "\n")
     (VECTORS / "magnification.json").write_text(json.dumps(magnifications(), indent=1) + "\n")
 
 

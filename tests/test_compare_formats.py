@@ -16,7 +16,7 @@ def test_every_format_is_drawn_and_the_exact_ones_are_the_most_alike(tmp_path: P
     source = Source(letters(moving=True), tuple(views(96, 72)), 30.0)
     found = {one.name: one for one in compared(source, tmp_path, 2.0, 96)}
     moving = {"moving.ply", "moving.4dgs", "frames"}
-    assert set(found) == {"still.ply", "still.splat", "2.spz", "3.spz", "4.spz", "still.glb"} | moving
+    assert set(found) == {"still.ply", "still.splat", "2.spz", "3.spz", "4.spz", "still.glb", "still.sog"} | moving
     assert min(found[name].worst for name in ("still.ply", "still.glb", "moving.ply", "frames")) > 90
     assert max(found[name].mean for name in ("still.splat", "2.spz", "3.spz", "4.spz", "moving.4dgs")) < 90
     assert all(one.worst <= one.mean for one in found.values())

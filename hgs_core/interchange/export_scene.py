@@ -11,8 +11,8 @@ from hgs_core.base.errors import InputError
 from hgs_core.base.progress import ProgressCallback
 from hgs_core.interchange.changes import Action, Change, nonzero
 from hgs_core.interchange.cubic import as_cubics
-from hgs_core.interchange.formats import format_of
-from hgs_core.interchange.ply.ply_sequence import write_sequence
+from hgs_core.interchange.formats import format_of, frame_format
+from hgs_core.interchange.frame_sequence import write_sequence
 from hgs_core.interchange.still_moment import scene_at
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSplats
@@ -30,12 +30,13 @@ def export_scene(
     time: float | None = None,
     segment: int | None = None,
     version: int | None = None,
+    frame_rate: float = 30.0,
 ) -> tuple[Change, ...]:
     """Write a scene to `path`, in the format of its suffix, atomically; return the losses.
 
     With `time` (seconds) the scene as it stands then. Without it, .ply is 3DGS's if nothing moves and else, like
     .splatv, the whole of a segment: `segment` names which, and is needed where there are several.
-    `version` is that of .spz.
+    `version` is that of .spz, `frame_rate` that of the samples of .usd.
 
     Raises:
         InputError: an unknown suffix, a time or segment that is missing, needless or not the scene's, or coordinates
@@ -55,8 +56,8 @@ def export_scene(
         raise InputError("--time", f"is not for {path.suffix}, which holds all times", "leave it out, or export .splat")
     if time is not None and not scene.start <= time <= scene.end:
         raise InputError("--time", f"{time} s is outside the scene", f"give {scene.start:g} to {scene.end:g}")
-    if target.write_whole is not None:
-        written = target.write_whole(scene)
+    if target.write_whole is not None and (target.write_still is None or time is None):
+        written = target.write_whole(scene, frame_rate)
     elif target.write_moving is not None and (target.write_still is None or (time is None and moving)):
         dynamic, more = _as_cubics(scene, segment)
         written = target.write_moving(scene.static, dynamic, cameras, scene.antialiased)
@@ -73,14 +74,14 @@ def export_scene(
 
 
 def export_sequence(
-    scene: HybridScene[Floats], folder: Path, frame_rate: float, progress: ProgressCallback
+    scene: HybridScene[Floats], folder: Path, frame_rate: float, progress: ProgressCallback, frames: str = "ply"
 ) -> tuple[Change, ...]:
-    """Write a scene that moves as a folder of .ply files, one for each frame; return the losses.
+    """Write a scene that moves as a folder of files, one for each frame, of the format `frames`; return the losses.
 
     Raises:
-        InputError: see `write_sequence`.
+        InputError: see `frame_format` and `write_sequence`.
     """
-    changes = write_sequence(scene, folder, frame_rate, progress)
+    changes = write_sequence(scene, folder, frame_format(frames), frame_rate, progress)
     return nonzero((*_unsaid(scene), *changes))
 
 

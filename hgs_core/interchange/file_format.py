@@ -52,4 +52,7 @@ class FileFormat:
     versions: Mapping[int, WriteStill] = field(default_factory=dict)  # version -> writer, if there are several
     # Takes one segment, the scene's cameras, and whether it is drawn antialiased.
     write_moving: Callable[[StaticSplats[Floats], DynamicSplats[Floats], Sequence[Camera], bool], Written] | None = None
-    write_whole: Callable[[HybridScene[Floats]], Written] | None = None  # takes all times of a scene
+    # Takes all times of a scene, and the rate of samples, a second.
+    write_whole: Callable[[HybridScene[Floats], float], Written] | None = None
+    sampled: bool = False  # whether `write_whole` samples
+    frame_bytes: int = 0  # bytes of a splat in a folder of frames, at most; 0: no such folders

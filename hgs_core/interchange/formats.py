@@ -12,14 +12,16 @@ from hgs_core.interchange.file_format import FileFormat, Reading, ReadSplats
 from hgs_core.interchange.fourdgs_file import FOURDGS
 from hgs_core.interchange.gltf.gaussian_glb import GLB
 from hgs_core.interchange.ply.ply_file import PLY
-from hgs_core.interchange.sog_file import META, SOG
+from hgs_core.interchange.sog_file import SOG
+from hgs_core.interchange.sog_writer import META
 from hgs_core.interchange.splat_file import SPLAT
 from hgs_core.interchange.splatv_file import SPLATV
 from hgs_core.interchange.spz.spz_file import SPZ
+from hgs_core.interchange.usd_file import USD
 
-__all__ = ["FORMATS", "IMPORTED", "format_of", "read_splats"]
+__all__ = ["FORMATS", "IMPORTED", "format_of", "frame_format", "read_splats"]
 
-FORMATS = (PLY, SPLAT, SPLATV, SPZ, GLB, FOURDGS, SOG)
+FORMATS = (PLY, SPLAT, SPLATV, SPZ, GLB, FOURDGS, SOG, *USD)
 
 IMPORTED = tuple(one.suffix for one in FORMATS if one.read is not None)
 """The suffixes of files that can be read."""
@@ -48,6 +50,18 @@ def format_of(path: Path, fits: Callable[[FileFormat], bool]) -> FileFormat:
     if suffix not in fitting:
         raise InputError(path, f"has the suffix {path.suffix or 'none'!r}", f"give one of {', '.join(fitting)}")
     return fitting[suffix]
+
+
+def frame_format(name: str) -> FileFormat:
+    """Return the format of a folder's frames by its name, `ply` or `sog`.
+
+    Raises:
+        InputError: there is none.
+    """
+    found = {one.suffix[1:]: one for one in FORMATS if one.frame_bytes}
+    if name not in found:
+        raise InputError("--frames", f"{name!r} is no format of frames", f"give one of {', '.join(found)}")
+    return found[name]
 
 
 def read_splats(path: Path, reading: Reading) -> ReadSplats:

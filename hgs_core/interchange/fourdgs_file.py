@@ -260,4 +260,6 @@ def _untold(path: Path, scene: Any) -> list[Change]:
     return changes
 
 
-FOURDGS = FileFormat(".4dgs", read=lambda path, reading: read_fourdgs(path), write_whole=fourdgs_file)
+FOURDGS = FileFormat(
+    ".4dgs", read=lambda path, reading: read_fourdgs(path), write_whole=lambda scene, _: fourdgs_file(scene)
+)

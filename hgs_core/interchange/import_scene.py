@@ -18,7 +18,7 @@ from hgs_core.interchange.far_places import coarse, middle_if_far, moved
 from hgs_core.interchange.file_format import Reading, ReadSplats
 from hgs_core.interchange.formats import read_splats
 from hgs_core.interchange.ply.ply_sequence import read_sequence
-from hgs_core.interchange.sog_file import META
+from hgs_core.interchange.sog_writer import META
 from hgs_core.scene.opacities import opacities_of
 from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment
 

@@ -23,17 +23,15 @@ from hgs_core.base.errors import InputError
 from hgs_core.interchange.changes import Action, Change
 from hgs_core.interchange.file_bytes import file_bytes
 from hgs_core.interchange.file_format import FileFormat, ReadSplats
+from hgs_core.interchange.sog_writer import FIRST_TAG, META, OTHERS, SOG_BYTES, sog_file
 from hgs_core.interchange.splat_properties import SH_0
 from hgs_core.scene.opacities import logits_of_any
 from hgs_core.scene.splats import StaticSplats
 
-__all__ = ["META", "SOG", "read_sog"]
+__all__ = ["SOG", "read_sog"]
 
-META = "meta.json"
 LARGEST_PART = 1 << 30  # bytes of a file in the zip
 LARGEST_PICTURE = 1 << 26  # pixels: splats
-FIRST_TAG = 252  # tag of the largest component w; x, y and z follow
-_OTHERS = np.array([[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]])
 _CURE = "save it as .sog again"
 
 
@@ -156,9 +154,9 @@ def _rotations(pixels: NDArray[np.uint8]) -> Doubles:
     tags: Whole = pixels[:, 3].astype(np.int64) - FIRST_TAG
     rows, largest = np.arange(len(pixels)), np.maximum(tags, 0)
     quats = np.zeros((len(pixels), 4))
-    quats[rows[:, None], _OTHERS[largest]] = others
+    quats[rows[:, None], OTHERS[largest]] = others
     quats[rows, largest] = np.sqrt(np.maximum(0.0, 1 - (others**2).sum(axis=1)))
     return np.where((tags < 0)[:, None], 0.0, quats)
 
 
-SOG = FileFormat(".sog", read=lambda path, reading: read_sog(path))
+SOG = FileFormat(".sog", read=lambda path, reading: read_sog(path), write_still=sog_file, frame_bytes=SOG_BYTES)

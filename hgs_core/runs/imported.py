@@ -21,7 +21,7 @@ from hgs_core.interchange.antialiasing_note import UNTOLD
 from hgs_core.interchange.changes import Action, Change, nonzero
 from hgs_core.interchange.import_scene import USUAL_DURATION, USUAL_FRAME_RATE, Imported, import_scene
 from hgs_core.interchange.ply.ply_sequence import frame_files
-from hgs_core.interchange.sog_file import META
+from hgs_core.interchange.sog_writer import META
 from hgs_core.points.near_plane import save_near_planes, with_near_planes
 from hgs_core.runs.creation import create_run
 from hgs_core.runs.encoding import encode

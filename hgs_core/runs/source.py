@@ -15,6 +15,7 @@ from hgs_core.codec.format.scene_folder import MANIFEST
 from hgs_core.interchange.baked_softness import with_baked_softness
 from hgs_core.interchange.changes import Action, Change
 from hgs_core.interchange.export_scene import export_scene, export_sequence
+from hgs_core.interchange.formats import format_of
 from hgs_core.interchange.ply.ply_sequence import is_sequence
 from hgs_core.runs.encode_inputs import trained_scene
 from hgs_core.runs.run_folder import RunFolder
@@ -41,11 +42,12 @@ class Source:
         segment: int | None = None,
         version: int | None = None,
         frame_rate: float | None = None,
+        frames: str | None = None,
         bake: bool = False,
         progress: ProgressCallback = silent,
     ) -> tuple[Change, ...]:
-        """Write the scene to a file (see `export_scene`), or to a folder of frames (`export_sequence`), by default at
-        the capture's rate; with `bake` the softness of the training pictures is in the splats (`with_baked_softness`).
+        """Write the scene to a file (see `export_scene`), or to a folder of frames (`export_sequence`), by default .ply
+        files at the capture's rate; with `bake` the training pictures' softness is in them (`with_baked_softness`).
 
         Raises:
             InputError: an option is not for what is written, or cannot be.
@@ -54,17 +56,21 @@ class Source:
             raise InputError("--bake", "needs the cameras of the pictures that made the splats", "leave it out")
         scene = with_baked_softness(self.scene, self.cameras) if bake else self.scene
         told = [] if bake else self._sharper()
+        rate = self.frame_rate if frame_rate is None else frame_rate
         if is_sequence(path):
             for option, value in (("--time", time), ("--segment", segment), ("--spz-version", version)):
                 if value is not None:
                     raise InputError(
                         option, "is not for a folder of frames", f"leave it out, or export {path.name}.ply"
                     )
-            rate = self.frame_rate if frame_rate is None else frame_rate
-            return (*export_sequence(scene, path, rate, progress), *told)
-        if frame_rate is not None:
-            raise InputError("--fps", f"is for a folder of frames, not for {path.suffix}", "leave it out")
-        changes = export_scene(scene, path, cameras=self.cameras, time=time, segment=segment, version=version)
+            return (*export_sequence(scene, path, rate, progress, frames or "ply"), *told)
+        if frames is not None:
+            raise InputError("--frames", f"is for a folder of frames, not for {path.suffix}", "leave it out")
+        if frame_rate is not None and (time is not None or not format_of(path, lambda one: True).sampled):
+            raise InputError("--fps", f"is for frames and samples, and {path.name} has none", "leave it out")
+        changes = export_scene(
+            scene, path, cameras=self.cameras, time=time, segment=segment, version=version, frame_rate=rate
+        )
         return (*changes, *told)
 
     def _sharper(self) -> list[Change]:

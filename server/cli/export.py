@@ -22,7 +22,7 @@ def add_parser(commands: Any) -> None:
     parser: argparse.ArgumentParser = commands.add_parser(
         "export",
         help="write a scene in another format",
-        description="Write a scene as .ply (3DGS; STGS if it moves), .splat, .splatv, .spz, .glb, .4dgs, .ply frames.",
+        description="Write a scene as .ply (3DGS, STGS), .splat, .splatv, .spz, .sog, .glb, .4dgs, .usd, or frames.",
     )
     parser.add_argument("source", metavar="RUN|SCENE", type=Path, help="folder of a run, or of an encoded scene")
     parser.add_argument(
@@ -33,7 +33,13 @@ def add_parser(commands: Any) -> None:
         help="the file; its suffix tells the format. Without: a folder of frames",
     )
     parser.add_argument("--time", metavar="S", type=float, help="write the scene as it stands at this second")
-    parser.add_argument("--fps", metavar="N", type=float, help="frames of a folder a second (default: the capture's)")
+    parser.add_argument(
+        "--fps",
+        metavar="N",
+        type=float,
+        help="frames (folder) or samples (.usd) a second (default: the capture's)",
+    )
+    parser.add_argument("--frames", metavar="FORMAT", help="of a folder: ply (default) or sog")
     parser.add_argument("--segment", metavar="N", type=int, help="which segment of several a 4D file holds, from 0")
     parser.add_argument("--spz-version", metavar="N", type=int, help="of .spz: 2, 3 (default) or 4")
     parser.add_argument(
@@ -62,6 +68,7 @@ def _run(options: argparse.Namespace) -> int:
             segment=options.segment,
             version=options.spz_version,
             frame_rate=options.fps,
+            frames=options.frames,
             bake=options.bake,
             progress=bars,
         )

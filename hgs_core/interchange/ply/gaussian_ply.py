@@ -18,8 +18,9 @@ from hgs_core.interchange.ply.ply_table import Table, left_over, write_ply
 from hgs_core.interchange.splat_properties import DC, PLACE, ROT, SCALE, SH_0, read_properties
 from hgs_core.scene.splats import StaticSplats
 
-__all__ = ["LARGEST_LOGIT", "NO_NEGATIVE_COLOUR", "gaussian_ply", "gaussian_splats", "harmonics"]
+__all__ = ["GAUSSIAN_BYTES", "LARGEST_LOGIT", "NO_NEGATIVE_COLOUR", "gaussian_ply", "gaussian_splats", "harmonics"]
 
+GAUSSIAN_BYTES = 68  # bytes of a splat of degree 0
 LARGEST_LOGIT = 30.0  # largest logit written: viewers take the sigmoid
 NO_NEGATIVE_COLOUR = "viewers of the format draw none below 0"
 

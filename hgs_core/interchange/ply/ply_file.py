@@ -8,7 +8,7 @@ from pathlib import Path
 from hgs_core.interchange.antialiasing_note import noted
 from hgs_core.interchange.file_format import FileFormat, Reading, ReadSplats
 from hgs_core.interchange.ply.compressed_ply import is_compressed, unpacked
-from hgs_core.interchange.ply.gaussian_ply import gaussian_ply, gaussian_splats
+from hgs_core.interchange.ply.gaussian_ply import GAUSSIAN_BYTES, gaussian_ply, gaussian_splats
 from hgs_core.interchange.ply.ply_table import read_ply
 from hgs_core.interchange.ply.spacetime_ply import is_spacetime, spacetime_ply, spacetime_splats
 
@@ -31,5 +31,6 @@ PLY = FileFormat(
     ".ply",
     read=_read,
     write_still=gaussian_ply,
+    frame_bytes=GAUSSIAN_BYTES,
     write_moving=lambda static, dynamic, cameras, antialiased: spacetime_ply(static, dynamic, antialiased),
 )

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 from hgs_core.base.errors import InputError
 from hgs_core.film.camera_path import CameraPath, KeyFrame, load_camera_path
+from scripts.make_picture_vectors import VECTORS, camera_path
 
 UP = (0.0, -1.0, 0.0)
 
@@ -24,6 +25,14 @@ def key(time: float, x: float = 0.0, fov: float = 50.0) -> KeyFrame:
 
 def document(**changes: Any) -> dict[str, Any]:
     return CameraPath((key(0.0), key(1.0, 1.0), key(3.0, 4.0, 70.0))).to_json() | changes
+
+
+def test_the_vectors_for_the_player_are_its_cameras() -> None:
+    vectors, made = json.loads((VECTORS / "camera_path.json").read_text()), camera_path()
+    assert vectors["path"] == made["path"]
+    for vector, found in zip(vectors["cameras"], made["cameras"], strict=True):
+        for name, values in vector.items():
+            np.testing.assert_allclose(found[name], values, rtol=0, atol=1e-12)
 
 
 def test_it_stands_at_its_key_frames() -> None:

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
 import numpy as np
+import torch
 
 from hgs_core.interchange import Change, export_scene
 from hgs_core.interchange.antialiasing_note import note_of
 from hgs_core.interchange.ply.ply_table import write_ply
+from hgs_core.render.scene_picture import scene_picture
 from hgs_core.scene import DynamicSplats, HybridScene, Segment, StaticSplats
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.rotations import matrices
+from tests.synthetic import ring_of_cameras, synthetic_scene
 
 CAMERA = Camera("cam00", 640, 480, 500.0, 510.0, 320.0, 240.0, np.eye(4))
 Write = Callable[[str, bytes], Path]
@@ -92,3 +96,18 @@ def gaussian_ply_of(splats: StaticSplats[np.ndarray], **more: np.ndarray) -> byt
 def axes_of(quats: np.ndarray) -> np.ndarray:
     """The rotation matrices of quaternions of any length."""
     return matrices(quats / np.linalg.norm(quats, axis=1, keepdims=True))
+
+
+def figure() -> HybridScene[np.ndarray]:
+    """The synthetic figure, which moves for 2 s."""
+    static, dynamic = (splats.map(lambda array: array.numpy()) for splats in synthetic_scene())
+    return HybridScene(static, (Segment(0.0, 2.0, dynamic),), antialiased=True)
+
+
+def figure_picture(scene: HybridScene[np.ndarray], seconds: float) -> torch.Tensor:
+    """A camera's picture of the figure, which must not be black."""
+    camera = ring_of_cameras(4, 160, 120)[0]
+    alike = dataclasses.replace(scene, antialiased=True).map(torch.from_numpy)
+    picture = scene_picture(alike, camera, seconds).rgb.clamp(0, 1)
+    assert float(picture.mean()) > 0.1
+    return picture

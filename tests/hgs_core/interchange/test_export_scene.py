@@ -40,6 +40,12 @@ LOST = {
         ("rounded", "opacity"): 1,
         ("replaced", "opacity"): 1,
     },
+    ".sog": {
+        ("rounded", "position"): 17,
+        ("rounded", "opacity"): 1,
+        ("replaced", "opacity"): 1,
+        ("rounded", "rotation"): 20,
+    },
     ".glb": {("limited", "scale"): 2, ("limited", "colour"): 1},
 }
 
@@ -60,6 +66,7 @@ def test_what_a_format_holds_is_not_told(tmp_path: Path) -> None:
         (".splat", ["background", "antialiasing"]),
         (".splatv", ["background", "time", "antialiasing"]),
         (".spz", ["background"]),
+        (".sog", ["background"]),
         (".glb", ["background", "antialiasing"]),
         (".4dgs", ["background", "antialiasing", "time"]),
     ],
@@ -120,7 +127,7 @@ def test_how_near_a_cubic_comes_to_a_motion_of_the_fifth_order_is_told(
     assert not any("fifth" in change.reason for change in told)
 
 
-@pytest.mark.parametrize("suffix", [".ply", ".splat", ".spz"])
+@pytest.mark.parametrize("suffix", [".ply", ".splat", ".spz", ".sog"])
 def test_a_mirrored_axis_would_be_seen(still: HybridScene[np.ndarray], tmp_path: Path, suffix: str) -> None:
     """A splat to the right (+x), one below (+y), one ahead (+z), each turned by 90 degrees about another axis."""
     half = np.sqrt(0.5)

@@ -84,7 +84,8 @@ def test_a_folder_gets_frames_at_the_captures_rate_or_at_the_one_asked_for(run: 
     source = open_source(run)
     told: list[Progress] = []
     source.export(tmp_path / "all", progress=told.append)
-    source.export(tmp_path / "few", frame_rate=4.0)
+    source.export(tmp_path / "few", frame_rate=4.0, frames="sog")
+    assert {path.suffix for path in (tmp_path / "few").iterdir()} == {".sog"}
     assert [len(list((tmp_path / name).iterdir())) for name in ("all", "few")] == [31, 5]
     assert told[-1].total == 31
 
@@ -95,7 +96,9 @@ def test_a_folder_gets_frames_at_the_captures_rate_or_at_the_one_asked_for(run: 
         ("frames", {"time": 0.5}, "--time: is not for a folder of frames; leave it out, or export frames.ply"),
         ("frames", {"segment": 0}, "--segment: is not for a folder of frames"),
         ("frames", {"version": 3}, "--spz-version: is not for a folder of frames"),
-        ("x.ply", {"frame_rate": 3.0}, "--fps: is for a folder of frames, not for .ply; leave it out"),
+        ("x.ply", {"frames": "sog"}, "--frames: is for a folder of frames, not for .ply; leave it out"),
+        ("frames", {"frames": "spz"}, "--frames: 'spz' is no format of frames; give one of ply, sog"),
+        ("x.ply", {"frame_rate": 3.0}, "--fps: is for frames and samples, and x.ply has none; leave it out"),
     ],
 )
 def test_options_of_something_else_are_refused(

@@ -1,6 +1,7 @@
 /** The page that plays a scene: a player, the address's parameters, the title, and a handle for scripts. */
 
 import { element } from "../dom/element";
+import type { KeyFrameTool } from "../keyframes/key_frame_tool";
 import type { HgsPlayer } from "../player/hgs_player";
 import { ApiError, getScene } from "../protocol/api";
 import { KEY_NEEDED, siteUrl } from "../protocol/http";
@@ -9,7 +10,7 @@ import { floatPixels } from "../renderer/float_pixels";
 import type { Pixels } from "../renderer/shot";
 import { PlayerView } from "../ui/player_view";
 import type { WholePage } from "../ui/player_view_options";
-import { linkWithBookmarks, sharedLink } from "../ui/shared_view";
+import { linkWithBookmarks, linkWithKeys, sharedLink } from "../ui/shared_view";
 import { parseViewParameters, type ViewParameters } from "./view_parameters";
 
 /** The page's interface for scripts, such as tests: `window.hgs`. */
@@ -36,24 +37,54 @@ declare global {
 export function showViewPage(root: HTMLElement, scene: string): void {
   document.title = `${scene} · HGS`;
   root.className = "view-page";
+  const path = keyFrames();
   const page: WholePage = {
     home: siteUrl(""),
     reload: () => location.reload(),
     link: (shared) => sharedLink(location.href, shared),
-    crop: async (player, root) => new (await import("../crop/crop_tool")).CropTool(player, root),
+    tools: {
+      crop: async (player, root) => new (await import("../crop/crop_tool")).CropTool(player, root),
+      path,
+    },
     keep: (bookmarks) => history.replaceState(null, "", linkWithBookmarks(location.href, bookmarks)),
   };
   // The server has created it, with the scene's poster, if there is one.
   const host = root.querySelector("main") ?? element("main", { class: "player-host" });
   root.replaceChildren(host);
   try {
-    play(host, scene, parseViewParameters(location.search), page);
+    play(host, scene, parseViewParameters(location.search), page, path);
   } catch (error) {
     new PlayerView(host, { page }).fail(error instanceof Error ? error.message : String(error));
   }
 }
 
-function play(host: HTMLElement, scene: string, parameters: ViewParameters, page: WholePage): void {
+type LoadKeyFrames = (player: HgsPlayer, root: HTMLElement) => Promise<KeyFrameTool>;
+
+/** The loader of the one tool for camera paths, with the key frames of the address. */
+function keyFrames(): LoadKeyFrames {
+  const load: LoadKeyFrames = async (player, root) => {
+    const { KeyFrameTool } = await import("../keyframes/key_frame_tool");
+    const { keys } = parseViewParameters(location.search);
+    const keep = (numbers: readonly number[]) => history.replaceState(null, "", linkWithKeys(location.href, numbers));
+    return new KeyFrameTool(player, root, keys, keep);
+  };
+  let tool: Promise<KeyFrameTool> | null = null;
+  return (player, root) => {
+    tool ??= load(player, root).catch((error) => {
+      tool = null; // the next use tries again
+      throw error;
+    });
+    return tool;
+  };
+}
+
+function play(
+  host: HTMLElement,
+  scene: string,
+  parameters: ViewParameters,
+  page: WholePage,
+  path: LoadKeyFrames,
+): void {
   const view = new PlayerView(host, {
     ...parameters,
     autoplay: !(parameters.paused ?? matchMedia("(prefers-reduced-motion: reduce)").matches),
@@ -80,6 +111,13 @@ function play(host: HTMLElement, scene: string, parameters: ViewParameters, page
     call(detail.title || scene);
     void served.then((title) => call(title || detail.title || scene));
   });
+  const follow = () => {
+    path(player, view.root).then(
+      (tool) => tool.follow(true),
+      (error: Error) => view.fail(error.message),
+    );
+  };
+  if (parameters.keys.length > 0) player.addEventListener("manifest", follow, { once: true });
   player.addEventListener("firstpicture", () => host.classList.remove("poster"));
   const ready = player.load(siteUrl(`view/${scene}${query}`));
   ready.catch(() => {}); // shown on the page already

@@ -1,6 +1,7 @@
 /** The parameters of a viewer page's address, for sharing a view and for tests. */
 
 import type { Vec3 } from "../camera/vector";
+import { KEY_NUMBERS } from "../keyframes/camera_path";
 import type { Viewing } from "../player/viewpoint";
 
 export interface ViewParameters {
@@ -17,6 +18,8 @@ export interface ViewParameters {
   readonly loopRange: readonly [number, number] | null;
   /** `marks`: bookmarks, seconds. */
   readonly bookmarks: readonly number[];
+  /** `keys`: key frames of a camera path: time, position, target and vertical angle, eight numbers each. */
+  readonly keys: readonly number[];
   /** `paused`: 1 to pause, 0 to play; null to play unless the visitor's system asks for less motion. */
   readonly paused: boolean | null;
   /** `width`, `height`: size of the picture in CSS pixels and in its backing store; null to fill the window. */
@@ -80,6 +83,11 @@ export function parseViewParameters(search: string): ViewParameters {
   const view = numbers("view", 9);
   const loop = numbers("loop", 2);
   if (loop && !(loop[0] < loop[1])) throw new Error(`loop=${loop} in the address does not begin before it ends`);
+  const keys = numbers("keys", null) ?? [];
+  const times = keys.filter((_, i) => i % KEY_NUMBERS === 0);
+  if (keys.length % KEY_NUMBERS !== 0 || times.some((time, i) => i > 0 && time <= times[i - 1])) {
+    throw new Error(`keys in the address are not ${KEY_NUMBERS} numbers each, in order of time`);
+  }
   const width = pixels("width");
   const height = pixels("height");
   if ((width === null) !== (height === null)) throw new Error("the address needs both width and height, or neither");
@@ -93,6 +101,7 @@ export function parseViewParameters(search: string): ViewParameters {
     },
     loopRange: loop && [loop[0], loop[1]],
     bookmarks: numbers("marks", null) ?? [],
+    keys,
     paused: flag("paused"),
     size: width !== null && height !== null ? { width, height } : null,
     exact: flag("exact") ?? false,

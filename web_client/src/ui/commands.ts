@@ -9,7 +9,7 @@ import { obey, playerKeys } from "./key_bindings";
 import { LatePart } from "./late_part";
 import { Panels } from "./panels";
 import { PlayerActions } from "./player_actions";
-import type { PageTool, WholePage } from "./player_view_options";
+import type { PageTool, PageTools } from "./player_view_options";
 import type { SharedView } from "./shared_view";
 
 /** Time to read a line, milliseconds. */
@@ -47,8 +47,8 @@ export interface CommandSurroundings {
   readonly keys: EventTarget;
   /** The address that opens with the shared view; undefined if the page has none. */
   readonly link?: (shared: SharedView) => string;
-  /** Loads the crop tool; undefined if the page has none. */
-  readonly crop?: WholePage["crop"];
+  /** The page's tools; undefined if it has none. */
+  readonly tools?: PageTools;
   toggleFullscreen(): void;
   /** Show an error. */
   fail(text: string): void;
@@ -64,9 +64,12 @@ export class Commands {
 
   constructor(player: HgsPlayer, surroundings: CommandSurroundings) {
     const { bookmarks, keep, root, place, button, keys, link = null, fail, marked, toggleFullscreen } = surroundings;
-    const cropping =
-      surroundings.crop && new LatePart<PageTool>(async () => surroundings.crop!(player, root), fail, player.disposed);
-    const toggleCrop = cropping ? () => cropping.use((tool) => tool.toggle()) : null;
+    const toggler = (name: keyof PageTools) => {
+      const load = surroundings.tools?.[name];
+      if (!load) return null;
+      const late = new LatePart<PageTool>(async () => load(player, root), fail, player.disposed);
+      return () => late.use((tool) => tool.toggle());
+    };
     const message = new Message(player.disposed);
     const notify = (text: string) => message.show(text);
     this.fly = new FlyMode(keys, player.camera, player.disposed);
@@ -83,7 +86,8 @@ export class Commands {
       fail,
       changed,
       link,
-      toggleCrop,
+      toggleCrop: toggler("crop"),
+      togglePath: toggler("path"),
     });
     this.actions = actions;
     const bindings = playerKeys(player, actions, {

@@ -38,6 +38,8 @@ export interface ActionSurroundings {
   readonly link: ((shared: SharedView) => string) | null;
   /** Open or close the crop tool; null if the page has none. */
   readonly toggleCrop: (() => void) | null;
+  /** Open or close the key frames of a camera path; null if the page has none. */
+  readonly togglePath: (() => void) | null;
 }
 
 export class PlayerActions {

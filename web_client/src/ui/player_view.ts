@@ -205,7 +205,7 @@ export class PlayerView {
       button: this.#settings,
       keys: this.#keys,
       link: page?.link,
-      crop: page?.crop,
+      tools: page?.tools,
       toggleFullscreen: () => this.toggleFullscreen(),
       fail: (text) => this.fail(text),
       marked: () => this.#bars.here?.mark(),

@@ -9,6 +9,15 @@ export interface PageTool {
   toggle(): void;
 }
 
+type LoadTool = (player: HgsPlayer, root: HTMLElement) => Promise<PageTool>;
+
+export interface PageTools {
+  /** The crop tool. */
+  readonly crop: LoadTool;
+  /** Key frames of a camera path. */
+  readonly path: LoadTool;
+}
+
 /** The parts of a page with nothing but a player. */
 export interface WholePage {
   /** Address of the page with other scenes. */
@@ -19,8 +28,8 @@ export interface WholePage {
   link?(shared: SharedView): string;
   /** The bookmarks have changed, seconds; the page may keep them in its address. */
   keep?(bookmarks: readonly number[]): void;
-  /** Load the crop tool, inside the player's root element; undefined if there is none. */
-  crop?(player: HgsPlayer, root: HTMLElement): Promise<PageTool>;
+  /** The page's tools, which load inside the player's root element; undefined if there are none. */
+  readonly tools?: PageTools;
 }
 
 export interface PlayerViewOptions extends HgsPlayerOptions {

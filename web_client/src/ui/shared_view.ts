@@ -39,6 +39,10 @@ export function sharedLink(page: string, shared: SharedView): string {
 export const linkWithBookmarks = (page: string, bookmarks: readonly number[]): string =>
   withParameters(page, { marks: list(bookmarks) || null });
 
+/** The same address with other key frames of a camera path, as numbers. */
+export const linkWithKeys = (page: string, numbers: readonly number[]): string =>
+  withParameters(page, { keys: list(numbers) || null });
+
 /** The address with these parameters; null removes one. */
 function withParameters(page: string, parameters: Readonly<Record<string, string | null>>): string {
   const address = new URL(page);

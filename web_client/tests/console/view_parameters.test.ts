@@ -15,12 +15,13 @@ describe("parseViewParameters", () => {
       view: null,
       loopRange: null,
       bookmarks: [],
+      keys: [],
     });
   });
 
   it("reads every parameter", () => {
     const parsed = parseViewParameters(
-      "?t=0.5&camera=cam00&paused=1&width=512&height=384&exact=1&antialiased=1&splats=5e4&subject=0&view=1,2,3,4,5,6,0,-1,0&loop=0.5,1e1&marks=2,1",
+      "?t=0.5&camera=cam00&paused=1&width=512&height=384&exact=1&antialiased=1&splats=5e4&subject=0&view=1,2,3,4,5,6,0,-1,0&loop=0.5,1e1&marks=2,1&keys=1,2,3,4,5,6,7,50",
     );
     expect(parsed).toEqual({
       time: 0.5,
@@ -34,6 +35,7 @@ describe("parseViewParameters", () => {
       view: { position: [1, 2, 3], target: [4, 5, 6], up: [0, -1, 0] },
       loopRange: [0.5, 10],
       bookmarks: [2, 1],
+      keys: [1, 2, 3, 4, 5, 6, 7, 50],
     });
   });
 
@@ -62,6 +64,8 @@ describe("parseViewParameters", () => {
     "loop=1",
     "loop=2,1",
     "marks=1,,2",
+    "keys=1,2,3",
+    "keys=2,0,0,0,1,1,1,50,1,0,0,0,1,1,1,50",
   ])("refuses %s and names the parameter", (search) => {
     expect(() => parseViewParameters(`?${search}`)).toThrow(search.includes("width") ? "width" : search.split("=")[0]);
   });

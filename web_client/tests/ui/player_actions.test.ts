@@ -41,6 +41,7 @@ describe("a scene from 1 to 11 seconds", () => {
       changed: () => {},
       link: ({ time, subjectOnly }) => `https://a.example/?t=${time}&subject=${subjectOnly}`,
       toggleCrop: null,
+      togglePath: null,
     });
   });
 

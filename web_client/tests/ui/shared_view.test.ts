@@ -1,6 +1,6 @@
 import { expect, it } from "vitest";
 import { parseViewParameters } from "../../src/console/view_parameters";
-import { linkWithBookmarks, type SharedView, sharedLink } from "../../src/ui/shared_view";
+import { linkWithBookmarks, linkWithKeys, type SharedView, sharedLink } from "../../src/ui/shared_view";
 
 const SHARED: SharedView = {
   time: 1.23456789,
@@ -22,6 +22,7 @@ it("is read back as it was shared, to seven digits", () => {
     view: SHARED.view,
     loopRange: [0.5, 1.5],
     bookmarks: [0.25, 1],
+    keys: [],
     antialiased: true,
     size: null,
     exact: false,
@@ -48,4 +49,12 @@ it("keeps bookmarks in an address and takes them out again, and leaves the rest"
   const marked = linkWithBookmarks("https://a.example/view/studio?camera=side", [0.5, 1]);
   expect(marked).toBe("https://a.example/view/studio?camera=side&marks=0.5,1");
   expect(linkWithBookmarks(marked, [])).toBe("https://a.example/view/studio?camera=side");
+});
+
+it("keeps the key frames of a camera path in an address and takes them out again", () => {
+  const numbers = [0.5, 1, 2, 3, 0, 0, 0.1234567, 50];
+  const moving = linkWithKeys("https://a.example/view/studio?marks=1", numbers);
+  expect(parseViewParameters(new URL(moving).search).keys).toEqual(numbers);
+  expect(sharedLink(moving, SHARED)).toContain("&keys=0.5,1,2,3,0,0,0.1234567,50");
+  expect(linkWithKeys(moving, [])).toBe("https://a.example/view/studio?marks=1");
 });
