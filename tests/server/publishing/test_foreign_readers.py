@@ -63,7 +63,7 @@ def test_boto3_reads_a_published_scene(s3_server: S3Server, scene_folder: Path, 
 
 @pytest.fixture
 def cached(scene_folder: Path, tmp_path: Path) -> Iterator[tuple[ExitStack, httpx.Client]]:
-    """The published scene behind a cache: what ends its server, and a client of the cache."""
+    """The published scene behind a cache: the end of its server, and a client of the cache."""
     publish_to_folder(scene_folder, tmp_path / "web", player=None)
     origin, cache = free_ports(2)
     facts = {"origin": origin, "cache": cache, "web": tmp_path / "web", "cached": tmp_path / "kept"}
