@@ -15,6 +15,7 @@ from dbos import DBOSClient, DBOSPortableJSONSerializer, run_dbos_database_migra
 from jobs.home.home import Home
 from jobs.home.home_identity import HomeIdentity, identify_home
 from jobs.home.schema_number import note_schema, require_known_schema
+from jobs.home.table_upgrades import add_what_is_missing, rename_columns
 
 __all__ = ["APPLICATION", "connection_url", "create_engine", "dbos_url", "open_client", "prepare_database"]
 
@@ -77,7 +78,7 @@ def create_engine(home: Home, most: int = 15) -> sa.Engine:
 
 
 def prepare_database(home: Home, engine: sa.Engine, metadata: sa.MetaData) -> HomeIdentity:
-    """Create all tables and check the home; safe to call from several processes at once.
+    """Create or upgrade all tables and check the home; safe to call from several processes at once.
 
     On SQLite this also switches the file to write-ahead logging, which the file then remembers: readers no longer wait
     for writers.
@@ -95,7 +96,9 @@ def prepare_database(home: Home, engine: sa.Engine, metadata: sa.MetaData) -> Ho
                 connection.exec_driver_sql("PRAGMA journal_mode=WAL")
         require_known_schema(home, engine)
         run_dbos_database_migrations(dbos_url(home))
+        rename_columns(engine)
         metadata.create_all(engine)
+        add_what_is_missing(engine, metadata)
         note_schema(engine)
         identity = identify_home(home, engine)
     home.runs.mkdir(parents=True, exist_ok=True)

@@ -11,7 +11,8 @@ from jobs.home.home import Home
 __all__ = ["SCHEMA", "note_schema", "require_known_schema"]
 
 # Raise it whenever rows mean something else, a column is gone or renamed, or a worker of the version before could not
-# go on with them. A column that older software may leave at its default needs no new number.
+# go on with them; renamings stand in table_upgrades.py. A column that older software may leave at its default needs no
+# new number: it is added.
 SCHEMA = 2
 
 _metadata = sa.MetaData()

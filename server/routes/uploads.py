@@ -24,6 +24,10 @@ __all__ = ["router"]
 router = APIRouter(prefix="/v1/uploads")
 
 _MOST_JOBS = 1000  # jobs per query
+_TUS_BELOW = (
+    "uploads begin with JSON, and only their files are resources of tus: POST {name, files, bytes} here, then give the "
+    "tus client the endpoint /v1/uploads/{id}/files, and with every file the metadata path and sha256"
+)
 
 
 class Beginning(BaseModel):
@@ -37,10 +41,18 @@ class Beginning(BaseModel):
     key: StrictStr = Field(default="", max_length=64)
 
 
+@router.options("")
+def options() -> Response:
+    """Reject a tus client that looks for an endpoint here."""
+    raise ProblemError(405, "tus-endpoint", _TUS_BELOW, headers={"Allow": "GET, HEAD, POST"})
+
+
 @router.post("")
 async def begin(request: Request, service: ServiceDep) -> Response:
     """Start an upload, or continue the unfinished one with the same announcement."""
     service.origins.require_same_site(request)
+    if "Tus-Resumable" in request.headers:
+        raise ProblemError(422, "tus-endpoint", _TUS_BELOW, field="Tus-Resumable")
     body = await read_json(request, Beginning)
     announced = Announcement(body.name, body.files, body.bytes, body.key)
     upload, new = await run_in_threadpool(service.uploads.begin, announced, _client(request))

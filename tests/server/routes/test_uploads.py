@@ -114,3 +114,21 @@ def test_one_address_has_so_many_unfinished_uploads_and_no_more(server: Any) -> 
     refused = begin(server, key="4")
     assert (refused.status_code, refused.json()["code"], refused.headers["retry-after"]) == (429, "uploads-open", "60")
     assert begin(server, key="3").status_code == 200
+
+
+@pytest.mark.parametrize(("method", "status"), [("POST", 422), ("OPTIONS", 405)])
+def test_a_tus_client_is_told_its_endpoint(server: Any, method: str, status: int) -> None:
+    """The first request of a client that was given /v1/uploads."""
+    metadata = {"Upload-Length": "5", "Upload-Metadata": f"filename {base64.b64encode(b'cam00.mp4').decode()}"}
+    answer = server.request(method, "/v1/uploads", headers=TUS | (metadata if method == "POST" else {}))
+    assert (answer.status_code, answer.json()["code"]) == (status, "tus-endpoint")
+    assert "give the tus client the endpoint /v1/uploads/{id}/files" in answer.json()["detail"]
+    assert server.get("/v1/uploads").json()["uploads"] == []
+
+
+def test_metadata_that_tus_clients_send_by_themselves_do_not_suffice(server: Any) -> None:
+    upload = begin(server).json()["id"]
+    metadata = {"Upload-Length": "5", "Upload-Metadata": f"filename {base64.b64encode(b'cam00.mp4').decode()}"}
+    answer = server.request("POST", f"/v1/uploads/{upload}/files", headers=TUS | metadata)
+    assert (answer.status_code, answer.json()["code"], answer.json()["field"]) == (422, "header-invalid", "sha256")
+    assert "give 64 hexadecimal digits" in answer.json()["detail"]
