@@ -35,6 +35,7 @@ export abstract class HostedScene<Renderer> extends withMediaApi(Object3D<HgsSce
   /**
    * Create a scene.
    *
+   * @internal
    * @param make the drawer for the host's kind of renderer.
    * @throws Error with one line for people if the address cannot be a scene's.
    * @throws RangeError if `playbackRate` is not in (0, 16], or `splatBudget` not at least 1.
