@@ -14,7 +14,12 @@ export default defineConfig(({ mode }) => {
   const site = mode === "site";
   const entry: Record<string, string> = site
     ? { "hgs-player": "src/element/define.ts" }
-    : { index: "src/index.ts", element: "src/element/define.ts", three: "src/three/hgs_scene.ts" };
+    : {
+        index: "src/index.ts",
+        element: "src/element/define.ts",
+        three: "src/three/hgs_scene.ts",
+        "three-webgpu": "src/three/hgs_scene_webgpu.ts",
+      };
   return {
     base: "./", // addresses relative to the script that has them
     publicDir: false,
@@ -25,7 +30,7 @@ export default defineConfig(({ mode }) => {
       target: "es2022",
       lib: { entry, formats: ["es"] },
       rolldownOptions: {
-        external: ["three"], // the host's own
+        external: [/^three(\/|$)/], // the host's own
         // What the element's script shares with parts that are loaded later stays in it: one round trip less.
         preserveEntrySignatures: site ? "allow-extension" : "strict",
         output: {

@@ -43,6 +43,8 @@ _FLAGS = [
     "--disable-background-networking",
     "--disable-component-update",
     "--disable-sync",
+    "--enable-unsafe-webgpu",
+    "--use-webgpu-adapter=swiftshader",
 ]
 # Mesa's llvmpipe draws faster than SwiftShader, but is not installed everywhere.
 _DRIVERS = {

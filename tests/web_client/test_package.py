@@ -125,6 +125,7 @@ def test_every_entry_can_be_imported_by_a_server(project: Path) -> None:
         "./svelte",
         "./vue",
         "./three",
+        "./three-webgpu",
         "undefined",
         "undefined",
     ]

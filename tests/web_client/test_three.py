@@ -155,6 +155,8 @@ def rasterized(
     keep: Callable[[Any], Any] | None = None,
     background: tuple[float, ...] = BACKGROUND,
     colours: Callable[[Any], Any] = lambda rgb: rgb,
+    antialiased: bool = False,
+    rig: tuple[Camera, ...] = (),
 ) -> npt.NDArray[np.float64]:
     """The reference picture, [H, W, 3]; `keep` says of centres, [N, 3], which splats are in it."""
     import torch
@@ -172,7 +174,15 @@ def rasterized(
     static = dataclasses.replace(static, rgb=colours(static.rgb))
     dynamic = dataclasses.replace(dynamic, rgb=colours(dynamic.rgb))
     render = rasterize(
-        static, dynamic, camera, time, background=background, backend="reference", gradients="none", antialiased=False
+        static,
+        dynamic,
+        camera,
+        time,
+        background=background,
+        backend="reference",
+        gradients="none",
+        antialiased=antialiased,
+        rig=rig,
     )
     picture: npt.NDArray[np.float64] = render.rgb.permute(1, 2, 0).double().numpy()
     return picture

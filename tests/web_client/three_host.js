@@ -2,16 +2,23 @@
 import * as THREE from "three";
 import { HgsScene } from "@hgs/player/three";
 
-const encode = (bytes) => {
+export const encode = (bytes) => {
   let text = "";
   for (let i = 0; i < bytes.length; i += 32768) text += String.fromCharCode(...bytes.subarray(i, i + 32768));
   return btoa(text);
 };
 
+/** Two numbers of a projection matrix, for its row of depths. */
+const DEPTHS = {
+  plain: (near, far) => [-(far + near) / (far - near), (-2 * far * near) / (far - near)],
+  reversed: (near, far) => [near / (far - near), (far * near) / (far - near)],
+  webgpu: (near, far) => [-far / (far - near), (-far * near) / (far - near)],
+};
+
 /** A PerspectiveCamera with just these intrinsics (pixels) and pose (rows of the 4x4 matrix from world to OpenCV camera). */
-function cameraOf({ width, height, fx, fy, cx, cy, near, far, rows }, reversed) {
+function cameraOf({ width, height, fx, fy, cx, cy, near, far, rows }, depths) {
   const camera = new THREE.PerspectiveCamera(50, width / height, near, far);
-  const [a, b] = reversed ? [near / (far - near), (far * near) / (far - near)] : [-(far + near) / (far - near), (-2 * far * near) / (far - near)];
+  const [a, b] = DEPTHS[depths](near, far);
   const place = () =>
     camera.projectionMatrix.set(
       ...[(2 * fx) / width, 0, 1 - (2 * cx) / width, 0],
@@ -40,11 +47,12 @@ function texture(seed, flipY) {
   return made;
 }
 
-class Host {
+export class Host {
   heard = [];
+  Scene = HgsScene;
 
   constructor({ width, height, background = [0, 0, 0], renderer = {}, pixelRatio = 1 }) {
-    this.renderer = new THREE.WebGLRenderer({ antialias: false, ...renderer });
+    this.renderer = this.rendererOf({ antialias: false, ...renderer });
     this.renderer.setPixelRatio(pixelRatio);
     this.renderer.setSize(width / pixelRatio, height / pixelRatio);
     this.clearTo = () => this.renderer.setClearColor(new THREE.Color().setRGB(...background, THREE.SRGBColorSpace), 1);
@@ -55,12 +63,20 @@ class Host {
     this.draw = () => this.renderer.render(this.world, this.camera);
   }
 
+  rendererOf(options) {
+    return new THREE.WebGLRenderer(options);
+  }
+
+  get depths() {
+    return this.renderer.capabilities.reversedDepthBuffer ? "reversed" : "plain";
+  }
+
   look(camera) {
-    this.camera = cameraOf(camera, this.renderer.capabilities.reversedDepthBuffer);
+    this.camera = cameraOf(camera, this.depths);
   }
 
   addSplats(options, place) {
-    this.splats = new HgsScene(options);
+    this.splats = new this.Scene(options);
     if (place) this.splats.applyMatrix4(new THREE.Matrix4().set(...place.flat()));
     for (const type of ["manifest", "firstpicture", "ready", "play", "pause", "seeked", "ended", "volumechange", "error"])
       this.splats.addEventListener(type, (event) => this.heard.push(type === "error" ? event.detail.message : type));
@@ -175,7 +191,7 @@ class Host {
 
   /** From now on draw two pictures side by side, by the cameras here and there. */
   split(first, second) {
-    const cameras = [first, second].map((camera) => cameraOf(camera, false));
+    const cameras = [first, second].map((camera) => cameraOf(camera, this.depths));
     const { renderer, world } = this;
     const width = this.width / 2;
     renderer.setScissorTest(true);

@@ -3,19 +3,25 @@
  * kept.
  */
 
-import type { WebGLRenderer } from "three";
+import { type Camera, ColorManagement, LinearTransfer, Vector4, type WebGLRenderer } from "three";
 import type { Viewport } from "../camera/projection";
+import type { Manifest } from "../codec/types";
 import type { Shot } from "../renderer/shot";
 import { FEWEST_ROWS, SplatDrawer, type SplatSink } from "../renderer/splat_drawer";
-import { type HostSurface, HostSurroundings } from "./host_surface";
+import type { HostDrawer, HostDrawing } from "./host_drawer";
+import { HostSurroundings } from "./host_surface";
+import type { HostView } from "./host_view";
 import { keepBindings, keepUnpacking } from "./kept_state";
-import { LinearLight } from "./linear_light";
+import { fineFormat, LinearLight } from "./linear_light";
+import { SplatMesh } from "./splat_mesh";
 import { WaitingSplats } from "./waiting_splats";
 
-export class HostedSplats {
+export class HostedSplats implements HostDrawer<WebGLRenderer> {
+  readonly object: SplatMesh;
   readonly #waiting = new WaitingSplats(() => this.#renderer?.capabilities.maxTextureSize ?? mostRowsHere());
   readonly #host = new HostSurroundings();
   readonly #listeners = new AbortController();
+  readonly #viewport = new Vector4();
   #renderer: WebGLRenderer | null = null;
   #drawer: SplatDrawer | null = null;
   #light: LinearLight | null = null;
@@ -24,21 +30,36 @@ export class HostedSplats {
   /**
    * Wait for a renderer.
    *
-   * @param onLoss called when the context was restored: then splats and an order must be set again.
+   * @param linear whether to write colours in linear light; null for the choice of three.js' materials.
    */
-  constructor(readonly onLoss: () => void) {}
+  constructor(
+    readonly linear: boolean | null,
+    readonly drawing: HostDrawing<WebGLRenderer>,
+  ) {
+    this.object = new SplatMesh((renderer, camera) => drawing.draw(renderer, camera));
+  }
 
-  /** The sink for decoded splats and their order, at any time. */
   get sink(): SplatSink {
     return this.#waiting;
   }
 
-  /**
-   * Take the splats received since the last frame.
-   *
-   * @returns the new order, if there is one: ids and their number, in a borrowed array.
-   * @throws Error if another renderer has drawn the scene before, or the device cannot hold it.
-   */
+  bound(manifest: Manifest): void {
+    this.object.bound(manifest);
+  }
+
+  viewport(renderer: WebGLRenderer): Viewport | null {
+    if (!("isWebGLRenderer" in renderer)) {
+      throw new Error("this renderer is no WebGLRenderer: import HgsScene from @hgs/player/three-webgpu instead");
+    }
+    if (renderer.getContext().isContextLost()) return null;
+    const target = renderer.getRenderTarget();
+    if (target && target.textures.length > 1) {
+      throw new Error(`the render target has ${target.textures.length} textures: splats are drawn into one only`);
+    }
+    const { x, y, z: width, w: height } = currentViewport(renderer, this.#viewport);
+    return { x, y, width, height };
+  }
+
   prepare(renderer: WebGLRenderer): Parameters<SplatSink["setOrder"]> | null {
     const gl = this.#contextOf(renderer);
     if (this.#drawer && !this.#stale && this.#waiting.empty) return null;
@@ -51,28 +72,32 @@ export class HostedSplats {
     });
   }
 
-  /** Replace the last order by an earlier one. */
   setOrder(...order: Parameters<SplatSink["setOrder"]>): void {
     const drawer = this.#drawer;
     if (drawer) keepUnpacking(drawer.gl, () => drawer.setOrder(...order));
   }
 
-  /**
-   * Draw a shot.
-   *
-   * @param light the format of the bound target, if it holds linear light to be converted to sRGB meanwhile.
-   */
-  draw(shot: Shot, viewport: Viewport, surface: HostSurface, light: "RGBA16F" | "RGBA32F" | null): void {
+  draw(renderer: WebGLRenderer, camera: Camera, viewport: Viewport, shot: Shot, depth: HostView["depth"]): void {
     const drawer = this.#drawer;
     if (!drawer || drawer.count === 0) return;
     const { gl } = drawer;
+    const { far = Number.POSITIVE_INFINITY } = camera as Camera & { far?: number };
+    const { logarithmicDepthBuffer, reversedDepthBuffer } = renderer.capabilities;
+    const target = renderer.getRenderTarget();
+    const linear = this.linear ?? writesLinear(renderer);
+    const format = linear && target ? fineFormat(target) : null;
     const draw = () => drawer.draw(shot, [viewport.x, viewport.y]);
-    this.#host.surface = surface;
+    this.#host.surface = {
+      ...depth,
+      logarithmic: logarithmicDepthBuffer ? 2 / Math.log2(far + 1) : 0,
+      reversed: reversedDepthBuffer,
+      linear: linear && format === null,
+    };
     keepBindings(gl, () => {
-      if (light === null) draw();
+      if (format === null) draw();
       else {
         this.#light ??= new LinearLight(gl);
-        this.#light.around(viewport, light, draw);
+        this.#light.around(viewport, format, draw);
       }
     });
   }
@@ -82,6 +107,7 @@ export class HostedSplats {
     this.#listeners.abort();
     this.#drawer?.dispose();
     this.#light?.dispose();
+    this.object.dispose();
     this.#drawer = null;
   }
 
@@ -93,7 +119,7 @@ export class HostedSplats {
       this.#renderer = renderer;
       const restored = () => {
         this.#stale = true;
-        this.onLoss();
+        this.drawing.restored();
       };
       renderer.domElement.addEventListener("webglcontextrestored", restored, { signal: this.#listeners.signal });
     }
@@ -107,4 +133,19 @@ function mostRowsHere(): number {
   const rows = gl?.getParameter(gl.MAX_TEXTURE_SIZE) ?? FEWEST_ROWS;
   gl?.getExtension("WEBGL_lose_context")?.loseContext();
   return rows;
+}
+
+/** The viewport in pixels. three.js has none for a canvas without a size or target set by the host. */
+function currentViewport(renderer: WebGLRenderer, viewport: Vector4): Vector4 {
+  if (renderer.getCurrentViewport(viewport).z > 0) return viewport;
+  return renderer.getViewport(viewport).multiplyScalar(renderer.getPixelRatio()).round();
+}
+
+/** Whether three.js' materials write linear light into the bound target. */
+function writesLinear(renderer: WebGLRenderer): boolean {
+  const target = renderer.getRenderTarget();
+  if (target === null) return ColorManagement.getTransfer(renderer.outputColorSpace) === LinearTransfer;
+  const ofHeadset = (target as { isXRRenderTarget?: boolean }).isXRRenderTarget === true;
+  const space = ofHeadset ? target.texture.colorSpace : ColorManagement.workingColorSpace;
+  return ColorManagement.getTransfer(space) === LinearTransfer;
 }

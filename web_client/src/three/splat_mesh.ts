@@ -15,10 +15,10 @@ import {
   OneMinusSrcAlphaFactor,
   RawShaderMaterial,
   Sphere,
-  Vector3,
   type WebGLRenderer,
 } from "three";
-import type { Box, Manifest } from "../codec/types";
+import type { Manifest } from "../codec/types";
+import { roomOf } from "./splat_room";
 
 /**
  * The material by which three.js itself sets blending, depth, culling and masks for splats, and keeps track of them. It
@@ -65,9 +65,7 @@ export class SplatMesh extends Mesh<BufferGeometry, RawShaderMaterial> {
 
   /** Set the bounds of the splats' centres at all times, for three.js' queries. */
   bound(manifest: Manifest): void {
-    const chunks = [...manifest.static, ...manifest.slices.flatMap((slice) => slice.chunks)];
-    const box = new Box3();
-    for (const chunk of chunks) box.union(box3(chunk.box));
+    const box = roomOf(manifest);
     this.geometry.boundingBox = box;
     this.geometry.boundingSphere = box.getBoundingSphere(new Sphere());
   }
@@ -78,5 +76,3 @@ export class SplatMesh extends Mesh<BufferGeometry, RawShaderMaterial> {
     this.material.dispose();
   }
 }
-
-const box3 = ({ min, max }: Box): Box3 => new Box3(new Vector3(...min), new Vector3(...max));

@@ -8,6 +8,7 @@ export class WaitingSplats implements SplatSink {
   readonly #mostRows: () => number;
   #writes: ((sink: SplatSink) => void)[] = [];
   #order: Parameters<SplatSink["setOrder"]> | null = null;
+  #through: SplatSink | null = null;
 
   /**
    * Collect splats.
@@ -28,20 +29,27 @@ export class WaitingSplats implements SplatSink {
   }
 
   allocate(...rows: Parameters<SplatSink["allocate"]>): void {
-    this.#writes = [(sink) => sink.allocate(...rows)];
+    this.#writes = [];
+    this.#write((sink) => sink.allocate(...rows));
   }
 
   writeStatics(...splats: Parameters<SplatSink["writeStatics"]>): void {
-    this.#writes.push((sink) => sink.writeStatics(...splats));
+    this.#write((sink) => sink.writeStatics(...splats));
   }
 
   writeDynamics(...splats: Parameters<SplatSink["writeDynamics"]>): void {
-    this.#writes.push((sink) => sink.writeDynamics(...splats));
+    this.#write((sink) => sink.writeDynamics(...splats));
   }
 
   /** Called at most once between two frames: each order is requested in a frame. */
   setOrder(...order: Parameters<SplatSink["setOrder"]>): void {
     this.#order = order;
+  }
+
+  /** Pass splats on, those that wait and all later ones as they come; orders go on waiting. */
+  pass(sink: SplatSink): void {
+    this.#through = sink;
+    for (const write of this.#writes.splice(0)) write(sink);
   }
 
   /** Pass everything on, the order last: it refers to splats that must be there. Returns the order, if there is one. */
@@ -52,5 +60,10 @@ export class WaitingSplats implements SplatSink {
     this.#order = null;
     if (order) sink.setOrder(...order);
     return order;
+  }
+
+  #write(write: (sink: SplatSink) => void): void {
+    if (this.#through) write(this.#through);
+    else this.#writes.push(write);
   }
 }

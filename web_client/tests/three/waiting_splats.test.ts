@@ -36,6 +36,21 @@ describe("splats that wait", () => {
     expect(calls).toHaveLength(4);
   });
 
+  it("go over as they come once they may, and only orders wait", () => {
+    const [waiting, calls]: [WaitingSplats, unknown[][]] = [new WaitingSplats(() => 16), []];
+    waiting.allocate(2, 3);
+    waiting.pass(sink(calls));
+    waiting.setOrder(IDS, 5);
+    waiting.writeStatics(0, TEXELS);
+    expect(calls).toEqual([
+      ["allocate", 2, 3],
+      ["statics", 0, TEXELS],
+    ]);
+    waiting.flush(sink(calls));
+    expect(calls.at(-1)).toEqual(["order", IDS, 5]);
+    expect(calls).toHaveLength(3);
+  });
+
   it("know the device only when they are asked for it", () => {
     let rows = 16;
     const waiting = new WaitingSplats(() => rows);
