@@ -1,4 +1,4 @@
-"""Splats in a host of three.js' WebGPURenderer, by WebGPU and by WebGL2, against the reference rasterizer's pictures."""
+"""Splats in a host of three.js' WebGPURenderer, by WebGPU and WebGL2, against the reference rasterizer's pictures."""
 
 from __future__ import annotations
 
