@@ -233,8 +233,10 @@ def test_targets_with_several_textures_are_refused_in_one_sentence(browser: Brow
         look(page, camera_named(site, "side"))
         add_splats(page)
         settle(page)
-        said = page.evaluate("() => { host.drawToTwo(); return host.heard.at(-1) }")
-        assert said == "the render target has 2 textures: splats are drawn into one only"
+        said = "the render target has 2 textures: splats are drawn into one only"
+        assert page.evaluate("() => { host.drawToTwo(); return host.heard.at(-1) }") == said
+        canvas(page)
+        assert page.evaluate("() => warnings") == [f"HgsScene: {said}"]
 
 
 def test_the_example_draws_splats_in_a_pass_of_post_processing(browser: Browser, address: str) -> None:
