@@ -111,6 +111,22 @@ def test_splats_alone_are_the_reference_picture(
 
 
 @both
+def test_a_page_shines_through_a_canvas_without_a_background(
+    browser: Browser, address: str, site: Site, backend: dict[str, Any]
+) -> None:
+    camera = camera_named(site, "side")
+    with hosting(browser, address, backend) as page:
+        look(page, camera)
+        page.evaluate("() => { host.renderer.setClearColor(0, 0); document.body.style.background = '#ff00ff' }")
+        add_splats(page)
+        settle(page)
+        page.evaluate("() => host.draw()")
+        clip = {"x": 0, "y": 0, "width": WIDTH, "height": HEIGHT}
+        shown = np.asarray(Image.open(BytesIO(page.screenshot(clip=clip))).convert("RGB"))
+    assert psnr(shown, rasterized(site, camera, 0.4, background=MAGENTA)) >= CANVAS_PSNR
+
+
+@both
 def test_enlarged_antialiased_splats_are_the_reference_picture(
     browser: Browser, address: str, site: Site, backend: dict[str, Any]
 ) -> None:
