@@ -1,4 +1,4 @@
-"""Splats in a host of three.js' WebGPURenderer, by WebGPU and by WebGL2, against the reference rasterizer's pictures."""
+"""Splats in a host of three.js' WebGPURenderer, by WebGPU and WebGL2, against the reference rasterizer's pictures."""
 
 from __future__ import annotations
 
@@ -108,6 +108,22 @@ def test_splats_alone_are_the_reference_picture(
         for samples in (0, 4):
             assert psnr(srgb(halves(page, samples)), truth) >= HALF_PSNR
         assert page.evaluate("() => warnings") == []
+
+
+@both
+def test_a_page_shines_through_a_canvas_without_a_background(
+    browser: Browser, address: str, site: Site, backend: dict[str, Any]
+) -> None:
+    camera = camera_named(site, "side")
+    with hosting(browser, address, backend) as page:
+        look(page, camera)
+        page.evaluate("() => { host.renderer.setClearColor(0, 0); document.body.style.background = '#ff00ff' }")
+        add_splats(page)
+        settle(page)
+        page.evaluate("() => host.draw()")
+        clip = {"x": 0, "y": 0, "width": WIDTH, "height": HEIGHT}
+        shown = np.asarray(Image.open(BytesIO(page.screenshot(clip=clip))).convert("RGB"))
+    assert psnr(shown, rasterized(site, camera, 0.4, background=MAGENTA)) >= CANVAS_PSNR
 
 
 @both
@@ -233,8 +249,10 @@ def test_targets_with_several_textures_are_refused_in_one_sentence(browser: Brow
         look(page, camera_named(site, "side"))
         add_splats(page)
         settle(page)
-        said = page.evaluate("() => { host.drawToTwo(); return host.heard.at(-1) }")
-        assert said == "the render target has 2 textures: splats are drawn into one only"
+        said = "the render target has 2 textures: splats are drawn into one only"
+        assert page.evaluate("() => { host.drawToTwo(); return host.heard.at(-1) }") == said
+        canvas(page)
+        assert page.evaluate("() => warnings") == [f"HgsScene: {said}"]
 
 
 def test_the_example_draws_splats_in_a_pass_of_post_processing(browser: Browser, address: str) -> None:

@@ -1,5 +1,6 @@
 /** A host of three.js' WebGPURenderer for tests. */
 import * as THREE from "three/webgpu";
+import { mrt, output, vec4 } from "three/tsl";
 import { WebGLRenderer } from "three/webgl";
 import { HgsScene as OfWebGL } from "@hgs/player/three";
 import { HgsScene } from "@hgs/player/three-webgpu";
@@ -40,8 +41,11 @@ class NodeHost extends Host {
   /** Draw into a target of two textures. */
   drawToTwo() {
     const target = new THREE.RenderTarget(this.width, this.height, { count: 2 });
+    target.textures.forEach((texture, i) => { texture.name = ["output", "normal"][i]; });
     this.renderer.setRenderTarget(target);
+    this.renderer.setMRT(mrt({ output, normal: vec4(1) }));
     this.draw();
+    this.renderer.setMRT(null);
     this.renderer.setRenderTarget(null);
     target.dispose();
   }

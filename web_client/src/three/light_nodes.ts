@@ -8,11 +8,13 @@ import {
   greaterThan,
   int,
   max,
+  premultiplyAlpha,
   screenUV,
   select,
   sRGBTransferEOTF,
   sRGBTransferOETF,
   texture,
+  unpremultiplyAlpha,
   vec2,
   vec4,
   vertexIndex,
@@ -52,7 +54,13 @@ export class TargetCopy {
   }
 }
 
-const srgb = (light: Node<"vec4">) => vec4(sRGBTransferOETF(max(light.xyz, 0)) as Node<"vec3">, light.w);
+/** Colours multiplied by alpha, converted as three.js converts its picture for the canvas: without alpha. */
+function converted(colours: Node<"vec4">, convert: typeof sRGBTransferOETF): Node<"vec4"> {
+  const straight = unpremultiplyAlpha(colours).toVar();
+  return premultiplyAlpha(vec4(convert(max(straight.xyz, 0)) as Node<"vec3">, straight.w));
+}
+
+const srgb = (light: Node<"vec4">) => converted(light, sRGBTransferOETF);
 
 /** The copy in sRGB. */
 export const toSrgb = (before: TargetCopy) => Fn(() => srgb(texture(before.texture, screenUV)))();
@@ -62,7 +70,7 @@ export const toLinear = (before: TargetCopy, after: TargetCopy) =>
   Fn(() => {
     const earlier = texture(before.texture, screenUV).toVar();
     const later = texture(after.texture, screenUV).toVar();
-    const converted = srgb(earlier).toVar();
-    const changed = any(greaterThan(abs(later.sub(converted)), abs(converted).mul(ROUNDED)));
-    return select(changed, vec4(sRGBTransferEOTF(max(later.xyz, 0)) as Node<"vec3">, later.w), earlier);
+    const without = srgb(earlier).toVar();
+    const changed = any(greaterThan(abs(later.sub(without)), abs(without).mul(ROUNDED)));
+    return select(changed, converted(later, sRGBTransferEOTF), earlier);
   })();

@@ -82,7 +82,8 @@ export class NodeSplats implements HostDrawer<WebGPURenderer> {
       blendSrc: OneFactor,
       blendDst: OneMinusSrcAlphaFactor,
     });
-    for (const mesh of this.#drawn) mesh.visible = false;
+    // Read by three.js with the target bound: in a target of several textures these materials would spoil all.
+    for (const mesh of this.#drawn) Object.defineProperty(mesh, "visible", { get: () => this.#drawable });
     this.#turn.onBeforeRender = (renderer, scene, camera) => {
       for (const { geometry } of this.#drawn) geometry.setDrawRange(0, NOTHING);
       // With another material in their place, the host draws something other than a picture, such as depths.
@@ -123,7 +124,6 @@ export class NodeSplats implements HostDrawer<WebGPURenderer> {
     const textures = this.#textures;
     if (textures.renderer === null) {
       textures.renderer = renderer;
-      for (const mesh of this.#drawn) mesh.visible = true;
       if (renderer.logarithmicDepthBuffer) {
         this.#splats.material.depthNode = viewZToLogarithmicDepth(this.#nodes.depth.negate(), cameraNear, cameraFar);
       }
@@ -188,6 +188,11 @@ export class NodeSplats implements HostDrawer<WebGPURenderer> {
     } catch (error) {
       this.#failure = error;
     }
+  }
+
+  get #drawable(): boolean {
+    const { renderer } = this.#textures;
+    return renderer !== null && !renderer.xr.isPresenting && (renderer.getRenderTarget()?.textures.length ?? 1) === 1;
   }
 
   get #drawn(): [Mesh, Mesh, Mesh] {
