@@ -62,7 +62,7 @@ def numbers_in(labels: Sequence[Sequence[str]]) -> tuple[Numbers, float | None] 
         columns = [column for column in columns if all(len(set(own)) == len(own) for own in column)]
     stamps = [column for column in columns if _since_1970(column) is not None]
     if of_day is not None and not stamps and (several or _spread(of_day[0]) < _spread(columns[0])):
-        return of_day  # as where 145959967 is followed by 150000000
+        return of_day  # 145959967 precedes 150000000
     best = next(iter(stamps or columns), None)
     return None if best is None else (best, _since_1970(best))
 
