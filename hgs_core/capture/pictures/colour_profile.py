@@ -12,7 +12,7 @@ from PIL import Image, ImageCms
 
 __all__ = ["ColourProfile", "colour_profile"]
 
-_LEVELS = (0, 64, 128, 192, 255)  # of each channel, compared
+_LEVELS = (0, 64, 128, 192, 255)  # compared levels of a channel
 _SAME = 4  # levels; profiles of sRGB differ by their makers' rounding
 _MODES = ("RGB", "RGBA")
 _LONGEST = 40  # characters of a description
@@ -20,7 +20,7 @@ _LONGEST = 40  # characters of a description
 
 @dataclass(frozen=True)
 class ColourProfile:
-    """A profile whose colours differ from sRGB."""
+    """A profile with colours other than sRGB."""
 
     name: str  # description, for people
     data: bytes
