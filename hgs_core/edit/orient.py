@@ -94,7 +94,8 @@ def orient(viewed: ViewedScene, change: Similarity, *, up: bool = False) -> Edit
 
 
 def _require_kept(scene: HybridScene[Floats]) -> None:
-    sets = [scene.static, *(segment.dynamic for segment in scene.segments)]
+    sets: list[StaticSplats[Floats] | DynamicSplats[Floats]] = [scene.static]
+    sets += [segment.dynamic for segment in scene.segments]
     places = [splats.means if isinstance(splats, StaticSplats) else splats.motion[:, 0] for splats in sets]
     farthest = max((float(np.abs(own).max(initial=0.0)) for own in places), default=0.0)
     longest = np.concatenate([splats.log_scales.max(axis=1, initial=-np.inf) for splats in sets])

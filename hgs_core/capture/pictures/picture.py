@@ -128,7 +128,8 @@ def numbered_pictures(folder: Path) -> dict[int, Path]:
 def _entries(folder: Path) -> list[os.DirEntry[str]]:
     try:
         with os.scandir(folder) as entries:
-            return [entry for entry in entries if not entry.name.startswith(".")]  # as macOS leaves ._0001.png
+            # macOS leaves files such as ._0001.png beside its copies.
+            return [entry for entry in entries if not entry.name.startswith(".")]
     except (FileNotFoundError, NotADirectoryError):
         return []
     except OSError as error:

@@ -19,6 +19,7 @@ import numpy.typing as npt
 from PIL import Image, UnidentifiedImageError
 
 from hgs_core.base.errors import InputError
+from hgs_core.capture.pictures.colour_profile import colour_profile
 
 __all__ = ["PictureHeader", "has_transparency", "read_header", "read_pixels"]
 
@@ -49,6 +50,7 @@ class PictureHeader:
     orientation: int = 1  # EXIF's: 1 is upright as stored, 5 to 8 lie on their side
     transparent: bool = False  # whether it may be so anywhere
     pictures: int = 1  # pictures in the file
+    profile: str = ""  # name of a colour profile other than sRGB
 
     @property
     def upright(self) -> tuple[int, int]:
@@ -67,7 +69,9 @@ def read_header(path: Path) -> PictureHeader:
         width, height = image.size
         lies = image.format == "TIFF" and orientation > 4  # Pillow has brought its size upright
         size = (height, width) if lies else (width, height)
-        return PictureHeader(size, orientation, image.has_transparency_data, int(getattr(image, "n_frames", 1)))
+        profile, pictures = colour_profile(image), int(getattr(image, "n_frames", 1))
+        name = "" if profile is None else profile.name
+        return PictureHeader(size, orientation, image.has_transparency_data, pictures, name)
 
 
 def read_pixels(path: Path, *, upright: bool = False, colours: bool = True) -> npt.NDArray[np.uint8]:
@@ -112,6 +116,8 @@ def _colours(image: Image.Image) -> npt.NDArray[np.uint8]:
         if (clear := image.info.get("transparency")) is not None:
             levels[values == clear] = 0
         return np.repeat(levels[..., None], 3, axis=2)
+    if (profile := colour_profile(image)) is not None:
+        image = profile.in_srgb(image)
     if image.has_transparency_data:
         over = image.convert("RGBA")
         return np.array(Image.alpha_composite(Image.new("RGBA", over.size, (0, 0, 0, 255)), over).convert("RGB"))

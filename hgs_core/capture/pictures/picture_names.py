@@ -19,6 +19,7 @@ _DATE = r"(?<!\d)((?:19|20)\d\d)[-_.]?(\d\d)[-_.]?(\d\d)[-_.Tt ]{0,3}"
 _TIME = r"([01]\d|2[0-3])[-_.:h]?([0-5]\d)[-_.:m]?([0-5]\d)"
 _FRACTION = r"(\d{3,9})\D*$"
 _OF_DATE = re.compile(rf"{_DATE}{_TIME}[-_.,:s]?{_FRACTION}")
+_OF_SECOND = re.compile(rf"(?<!\d)()()(){_TIME}(\d{{3,9}}|)\D*$")
 _OF_DAY = re.compile(rf"(?<!\d)()()(){_TIME}[-_.,:s]?{_FRACTION}")
 _IN_ONE = re.compile(rf"{_DATE}{_TIME}{_FRACTION}")  # a number that counts may follow a date and a time
 _SINCE_1970 = {13: 1e-3, 16: 1e-6, 19: 1e-9}  # seconds of one, by the digits of a number that begins with 1
@@ -44,7 +45,7 @@ def numbers_in(labels: Sequence[Sequence[str]]) -> tuple[Numbers, float | None] 
     if (dated := _matched(labels, _OF_DATE if several else _IN_ONE, _of_day)) is not None:
         return dated
     decimal = _matched(labels, _DECIMAL, _decimal) if several and places == [0, 1] else None
-    of_day = _matched(labels, _OF_DAY, _of_day)
+    of_day = _matched(labels, _OF_DAY if several else _OF_SECOND, _of_day)
     if decimal is not None and (of_day is None or _spread(decimal[0]) <= _spread(of_day[0])):
         return decimal
     if several:
@@ -62,7 +63,7 @@ def numbers_in(labels: Sequence[Sequence[str]]) -> tuple[Numbers, float | None] 
         columns = [column for column in columns if all(len(set(own)) == len(own) for own in column)]
     stamps = [column for column in columns if _since_1970(column) is not None]
     if of_day is not None and not stamps and (several or _spread(of_day[0]) < _spread(columns[0])):
-        return of_day  # as where 145959967 is followed by 150000000
+        return of_day  # 145959967 precedes 150000000
     best = next(iter(stamps or columns), None)
     return None if best is None else (best, _since_1970(best))
 
@@ -84,7 +85,7 @@ def _matched(
     width = max(len(fraction) for own in parts for _, fraction in own)
     scale = 10**width
     whole = tuple(tuple(one for one, _ in own) for own in parts)
-    numbers = tuple(tuple(one * scale + int(fraction.ljust(width, "0")) for one, fraction in own) for own in parts)
+    numbers = tuple(tuple(one * scale + int(fraction.ljust(width, "0") or 0) for one, fraction in own) for own in parts)
     return numbers, (_since_1970(whole) or 1.0) / scale
 
 
@@ -105,7 +106,7 @@ def _of_day(match: re.Match[str]) -> tuple[int, str] | None:
 def _spread(numbers: Numbers) -> float:
     """Return by how much the largest step exceeds the usual one; infinite where numbers do not go on."""
     steps = sorted(b - a for own in numbers for a, b in pairwise(own))
-    return steps[-1] / steps[len(steps) // 2] if steps and steps[0] > 0 else float("inf")
+    return steps[-1] / steps[(len(steps) - 1) // 2] if steps and steps[0] > 0 else float("inf")
 
 
 def _since_1970(numbers: Numbers) -> float | None:

@@ -27,6 +27,7 @@ _EVEN = 0.1  # share of the usual step; steps of time stamps differ by less
 _COARSE = 10  # times the step that all numbers share, from which on uneven steps are time stamps
 _FEWEST_STEPS = 5  # steps that identify time stamps
 _LONGEST = 10**9  # frames, a year at 30 a second
+_SHORTEST_STEP = 1 / 960  # seconds; the fastest cameras of phones
 _DAY = 86400  # seconds
 _FEWEST_COUNTED = 1000  # numbers of a counter that begins anew
 _MOST_CAMERAS = 12  # cameras listed in a message
@@ -152,6 +153,10 @@ def picture_numbers(
     origin = numbers[0][0]
     step = math.gcd(*(number - origin for own in numbers for number in own)) or 1
     unit = unit or _uneven(numbers, step)
+    if unit is not None and (fastest := _usual(numbers) * unit) < _SHORTEST_STEP:
+        problem = f"by the time stamps in their names, pictures follow one another every {fastest * 1e3:.3g} ms"
+        counted = "where the last number counts the pictures of a second, call them by the numbers of their frames"
+        raise InputError(where, problem, f"{counted}, such as 0007.png")
     first, last = min(own[0] for own in numbers), max(own[-1] for own in numbers)
     if unit is None and (last - first) // step > _LONGEST:
         problem = f"the numbers of its pictures go from {first} to {last}, too far for frames"
@@ -159,10 +164,15 @@ def picture_numbers(
     return PictureNumbers(tuple(cameras), numbers, unit, step)
 
 
+def _usual(numbers: Numbers) -> float:
+    """Return the usual difference between neighbours."""
+    return float(np.median([b - a for own in numbers for a, b in pairwise(own)]))
+
+
 def _uneven(numbers: Numbers, step: int) -> float | None:
     """Return the seconds of one if numbers go on like time stamps: by steps that are nearly equal, and not equal."""
     steps = [b - a for own in numbers for a, b in pairwise(own)]
-    usual = float(np.median(steps))
+    usual = _usual(numbers)
     if len(steps) < _FEWEST_STEPS or usual < _COARSE * step:
         return None
     if any(abs(one / usual - round(one / usual)) > _EVEN for one in steps):

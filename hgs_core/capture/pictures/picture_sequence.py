@@ -43,6 +43,8 @@ class PictureSequence:
         self.width, self.height = self._require_alike(camera, [header.size for header in self._headers])
         if any(header.transparent for header in self._headers) and self._is_transparent():
             self.notes.append("what is transparent in the pictures is black; `mogrify -alpha off` shows what is there")
+        if profiles := sorted({header.profile for header in self._headers} - {""}):
+            self.notes.append(f"colours of the profile {' and '.join(profiles)} are brought to sRGB")
         if (most := max(header.pictures for header in self._headers)) > 1:
             self.notes.append(f"a file holds {most} pictures, of which the first is read")
 

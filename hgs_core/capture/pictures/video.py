@@ -141,7 +141,7 @@ class VideoReader:
         key = self._packets.stamps.index(
             self._packets.keys[max(0, bisect_right(self._packets.keys, self._packets.stamps[index]) - 1)]
         )
-        for start in dict.fromkeys((key, 0)):  # where an index is missing, as in MPEG-PS, FFmpeg may seek too far
+        for start in dict.fromkeys((key, 0)):  # FFmpeg may seek too far, without an index, in MPEG-PS
             found = self._decoded(index, start, neighbours)
             if found is not None:
                 return found

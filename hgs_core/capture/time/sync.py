@@ -174,7 +174,24 @@ def _by_sync(cameras: Sequence[OwnTime], sync: Sync) -> list[CameraTime]:
         start = next((starts[name] for name in called if name in starts), 0.0)
         seconds = start / camera.rate if sync.in_frames else start
         found.append(_began(camera, camera.stamps - camera.stamps[0] + seconds, 0.0))
+    _require_overlap(found, sync)
     return found
+
+
+def _require_overlap(cameras: Sequence[CameraTime], sync: Sync) -> None:
+    """Refuse starts that leave no moment to all cameras; says where milliseconds would."""
+    last = max(cameras, key=lambda camera: float(camera.stamps[0]))
+    first = min(cameras, key=lambda camera: float(camera.stamps[-1]))
+    begins, ends = float(last.stamps[0]), float(first.stamps[-1])
+    if begins <= ends:
+        return
+    problem = f"no moment is common: by it {last.name} begins at {begins:.6g} s, and {first.name} ends at {ends:.6g} s"
+    cure = "correct the number, or remove the file to go by the footage alone"
+    begun = min(float(camera.stamps[0]) for camera in cameras)
+    shortest = min(float(camera.stamps[-1] - camera.stamps[0]) for camera in cameras)
+    if not sync.in_frames and (begins - begun) / 1000 <= shortest:
+        cure = f"where they are milliseconds, divide by 1000, as in {(begins - begun) / 1000:.6g}; or {cure}"
+    raise InputError(sync.file, problem, cure)
 
 
 def _by_table(cameras: Sequence[OwnTime], table: Path, assumed: bool) -> tuple[list[CameraTime], list[str]]:

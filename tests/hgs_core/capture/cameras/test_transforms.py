@@ -342,7 +342,7 @@ def test_poses_that_jitter_are_one_camera_and_their_median_counts(tmp_path: Path
 def test_a_picture_that_was_placed_elsewhere_is_named_and_the_cure_cures(tmp_path: Path, away: float) -> None:
     layouts.folders(PATTERN)(tmp_path)
     frames = timed_frames()
-    astray = layouts.FRAMES + 2  # of the second camera
+    astray = layouts.FRAMES + 2  # third picture of the second camera
     frames[astray]["transform_matrix"] = np.array(frames[astray]["transform_matrix"])
     frames[astray]["transform_matrix"][:3, 3] += away
     frames[astray]["transform_matrix"] = frames[astray]["transform_matrix"].tolist()

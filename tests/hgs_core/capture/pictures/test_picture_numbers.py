@@ -88,6 +88,12 @@ def test_times_of_a_day_that_go_over_midnight_are_refused_until_they_have_dates(
     np.testing.assert_allclose(numbered(dated, dated).seconds(30)[0], [0, 0.033, 0.066, 0.1])
 
 
+def test_a_counter_behind_the_second_is_no_time_stamp() -> None:
+    burst = [f"IMG_20261103_1459{second}_{n:03d}.png" for second in (20, 21) for n in range(6)]
+    with pytest.raises(InputError, match=r"every 1 ms; where the last number counts the pictures of a second, call"):
+        numbered(burst, burst)
+
+
 def test_two_pictures_of_one_number_are_refused() -> None:
     for twice in (["0001.jpg", "0001.png", "0002.png"], ["1.png", "01.png"], ["1.png", "01.png", "2.png"]):
         with pytest.raises(InputError, match=r"are both picture 1 of camera a; take one of them away"):
