@@ -17,6 +17,7 @@ export class KeyFrameTool {
   #keys: readonly KeyFrame[];
   #following = false;
   #followed = Number.NaN; // seconds of the last camera on the path
+  #placed = Number.NaN; // end of the time line under the marks, seconds
 
   /**
    * Create the tool.
@@ -108,7 +109,9 @@ export class KeyFrameTool {
       this.#followed = currentTime;
       this.#look(cameraAt(this.#keys, currentTime));
     }
-    if (this.#panel.node.isConnected) this.#panel.show(this.#state);
+    if (this.player.end !== this.#placed)
+      this.#show(); // a grown scene changes the places on the time line
+    else if (this.#panel.node.isConnected) this.#panel.show(this.#state);
     if (!this.#marks.isConnected) this.root.querySelector(".timeline")?.append(this.#marks);
   }
 
@@ -129,6 +132,7 @@ export class KeyFrameTool {
 
   #show(): void {
     const { start, duration } = this.player;
+    this.#placed = this.player.end;
     this.#panel.show(this.#state);
     this.#marks.replaceChildren(
       ...this.#keys.map(({ time }) => {
