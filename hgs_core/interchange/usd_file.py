@@ -1,4 +1,4 @@
-"""USD files: splats as `ParticleField3DGaussianSplat` of OpenUSD 26.3 and newer, with time samples of what moves.
+"""USD files: splats as `ParticleField3DGaussianSplat` of OpenUSD 26.3 and newer, with time samples of moving splats.
 
 Static splats are one prim; the splats of a segment are another, shown for its time. Scales and opacities are linear,
 colours are 0.5 + SH_0 of degree 0; axes are right, up, back. Files are written by `usd-core`, of the extra `usd`.
@@ -51,7 +51,7 @@ class _Stage:
         UsdGeom.SetStageMetersPerUnit(self.stage, 1.0)
 
     def add(self, name: str, splats: StaticSplats[Floats] | DynamicSplats[Floats]) -> Any:
-        """Return a new prim with what never changes."""
+        """Return a new prim with the attributes that never change."""
         prim = self._vol.ParticleField3DGaussianSplat.Define(self.stage, f"{ROOT}/{name}")
         harmonics = (splats.rgb.astype(np.float64) - 0.5) / SH_0
         prim.CreateScalesAttr(self._triples(deviations_of(splats.log_scales)))
@@ -71,12 +71,18 @@ class _Stage:
 
     def bound(self, prim: Any, low: Doubles, high: Doubles, log_scales: Floats) -> None:
         """Set the box around places between two corners of our axes."""
-        reach = _REACH * float(np.exp(log_scales.max()))
+        reach = _REACH * float(deviations_of(log_scales).max())
         corners = other_way_up(np.stack([low - reach, high + reach]))
         prim.CreateExtentAttr(self._triples(np.sort(corners, axis=0)))
 
     def file(self) -> bytes:
-        """Return the binary file."""
+        """Return the binary file.
+
+        Raises:
+            InputError: it would hold nothing.
+        """
+        if not self.stage.GetDefaultPrim().GetChildren():
+            raise InputError("splats", "are none", "choose another time")
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder, "scene.usdc")
             self.stage.GetRootLayer().Export(str(path))
@@ -90,7 +96,7 @@ def still_usd_file(splats: StaticSplats[Floats], antialiased: bool = False) -> W
     """Return the file of a still scene.
 
     Raises:
-        InputError: the library is missing.
+        InputError: the library is missing, or there are no splats.
     """
     made = _Stage(antialiased)
     _add_still(made, splats)
@@ -101,7 +107,7 @@ def usd_file(scene: HybridScene[Floats], rate: float) -> Written:
     """Return the file of a whole scene, with samples of moving splats at `rate` a second: time code = second x rate.
 
     Raises:
-        InputError: the library is missing, or the rate is not positive.
+        InputError: the library is missing, the rate is not positive, or no sample shows a splat.
     """
     if not rate > 0:
         raise InputError("--fps", f"{rate:g} is not positive", "give samples for each second, like 30")
@@ -110,7 +116,7 @@ def usd_file(scene: HybridScene[Floats], rate: float) -> Written:
     stage = made.stage
     count = int((scene.end - scene.start) * rate + 1e-6) + 1 if scene.dynamic_splats else 1
     times = np.minimum(scene.start + np.arange(count) / rate, scene.end)
-    codes = scene.start * rate + np.arange(count)
+    codes = scene.start * rate + np.arange(count, dtype=np.float64)
     stage.SetTimeCodesPerSecond(rate)
     stage.SetFramesPerSecond(rate)
     stage.SetStartTimeCode(codes[0])

@@ -77,7 +77,7 @@ def test_key_frames_are_kept_in_the_address_played_and_saved(browser: Browser, s
         for time in (0.2, 0.5, 0.65, 0.8):  # the camera follows the time
             page.evaluate("(time) => window.hgs.seek(time)", time)
             expected = given.camera(time, (1280, 800), tuple(page_up(site)))
-            page.evaluate("() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn)))")
+            two_frames(page)
             found = shown_camera(page)
             np.testing.assert_allclose(found[:3], expected.position, atol=1e-4)
         page.evaluate("() => window.hgs.seek(0.2)")
@@ -87,6 +87,14 @@ def test_key_frames_are_kept_in_the_address_played_and_saved(browser: Browser, s
         page.keyboard.press("n")
         assert page.get_by_role("button", name="Play along").get_attribute("aria-pressed") == "true"
         assert saved(page, tmp_path).to_json() == given.to_json()
+        page.evaluate("() => window.hgs.seek(0.8)")
+        two_frames(page)
+        page.get_by_role("button", name="Set this key frame anew").click()
+        np.testing.assert_allclose(key(saved(page, tmp_path), 1), key(given, 1), atol=1e-3)  # as it was set
+
+
+def two_frames(page: Page) -> None:
+    page.evaluate("() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn)))")
 
 
 def page_up(site: Site) -> list[float]:

@@ -113,9 +113,19 @@ def test_of_each_kind_the_rounded_splats_are_counted() -> None:
 
 
 def test_colours_of_splats_without_opacity_are_kept() -> None:
-    found = decoded(sog_file(dataclasses.replace(plain(), opacity_logits=np.full(20, -30, np.float32))).data)
-    np.testing.assert_allclose(found["dc"], 0, atol=1e-7)
+    given = dataclasses.replace(statics(20), opacity_logits=np.full(20, -30, np.float32))
+    found = decoded(sog_file(given).data)
+    colours = (given.rgb[by_place(given.means)] - 0.5) / HARMONIC
+    np.testing.assert_allclose(found["dc"][by_place(found["means"])], colours, atol=1e-6)
     assert not found["opacity"].any()
+
+
+def test_neighbours_lie_beside_each_other() -> None:
+    def step(places: np.ndarray) -> float:
+        return float(np.linalg.norm(np.diff(places, axis=0), axis=1).mean())
+
+    given = statics(2000)
+    assert step(decoded(sog_file(given).data)["means"]) < step(given.means) / 4
 
 
 def test_no_splats_are_no_file() -> None:

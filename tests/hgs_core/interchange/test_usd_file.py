@@ -153,6 +153,13 @@ def test_without_the_library_the_cure_is_named(tmp_path: Path, monkeypatch: pyte
     assert not any(tmp_path.iterdir())
 
 
+def test_a_file_without_splats_is_refused(core: Any, tmp_path: Path) -> None:
+    scene = HybridScene(plain(0), (Segment(0.0, 1.0, brief(7, 0.25)),))
+    for more in ({"time": 0.9}, {"frame_rate": 1.0}):
+        with pytest.raises(InputError, match="splats: are none; choose another time"):
+            export(scene, tmp_path / "x.usd", **more)
+
+
 def test_a_rate_that_is_none_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="--fps: 0 is not positive"):
         export(figure(), tmp_path / "x.usd", frame_rate=0.0)

@@ -3,6 +3,7 @@
 import { fitted, type Intrinsics, type Pose, poseAt, project, startBox, startCamera } from "../camera/pinhole";
 import { add, cross, dot, fromRows, normalise, row, scale, subtract, type Vec3 } from "../camera/vector";
 import type { HgsPlayer } from "../player/hgs_player";
+import type { Viewing } from "../player/viewpoint";
 
 export interface CropView {
   readonly pose: Pose;
@@ -12,10 +13,13 @@ export interface CropView {
 
 export type Pixel = readonly [number, number];
 
-/** The view of the player's picture at its size on the page; null until there is one. */
-export function cropViewOf(player: HgsPlayer, { width, height }: { width: number; height: number }): CropView | null {
+/** The view of the player's picture at its size on the page, or of another viewing; null until there is one. */
+export function cropViewOf(
+  player: HgsPlayer,
+  { width, height }: { width: number; height: number },
+  viewing: Viewing | null = player.camera.view,
+): CropView | null {
   const { manifest, camera } = player;
-  const viewing = camera.view;
   if (!manifest || !viewing || !(width > 0 && height > 0)) return null;
   const ahead = normalise(subtract(viewing.target, viewing.position));
   const right = normalise(cross(ahead, viewing.up));

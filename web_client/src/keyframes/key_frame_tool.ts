@@ -4,6 +4,8 @@ import { cropViewOf } from "../crop/crop_view";
 import { element } from "../dom/element";
 import { adoptStyle } from "../dom/shadow_style";
 import type { HgsPlayer } from "../player/hgs_player";
+import type { Viewing } from "../player/viewpoint";
+import { axisFor, middleOf } from "./aim";
 import { cameraAt, type KeyFrame, keyAt, keysOf, numbersOf, pathDocument, withKey, withoutKey } from "./camera_path";
 import css from "./key_frames.css?inline";
 import { PathPanel } from "./path_panel";
@@ -17,6 +19,7 @@ export class KeyFrameTool {
   #keys: readonly KeyFrame[];
   #following = false;
   #followed = Number.NaN; // seconds of the last camera on the path
+  #placed = Number.NaN; // end of the time line under the marks, seconds
 
   /**
    * Create the tool.
@@ -73,11 +76,12 @@ export class KeyFrameTool {
   #add(): void {
     const { currentTime, camera } = this.player;
     const viewing = camera.view;
-    const seen = cropViewOf(this.player, this.root.getBoundingClientRect());
+    const seen = this.#viewOf(viewing);
     if (!viewing || !seen) return;
     const { height, fy } = seen.camera;
     const verticalFov = (2 * Math.atan(height / 2 / fy) * 180) / Math.PI;
-    const { position, target } = viewing;
+    const { position } = viewing;
+    const target = middleOf(viewing, seen);
     const [key] = keysOf(numbersOf([{ time: currentTime, position, target, verticalFov }]));
     this.#change(withKey(this.#keys, key));
   }
@@ -108,7 +112,9 @@ export class KeyFrameTool {
       this.#followed = currentTime;
       this.#look(cameraAt(this.#keys, currentTime));
     }
-    if (this.#panel.node.isConnected) this.#panel.show(this.#state);
+    if (this.player.end !== this.#placed)
+      this.#show(); // a grown scene changes the places on the time line
+    else if (this.#panel.node.isConnected) this.#panel.show(this.#state);
     if (!this.#marks.isConnected) this.root.querySelector(".timeline")?.append(this.#marks);
   }
 
@@ -116,10 +122,14 @@ export class KeyFrameTool {
     const { manifest, camera } = this.player;
     if (!manifest) return;
     try {
-      camera.view = { position, target, up: manifest.up };
+      camera.view = axisFor({ position, target, up: manifest.up }, (viewing) => this.#viewOf(viewing));
     } catch (error) {
       if (!(error instanceof RangeError)) throw error; // straight up or down: the camera waits
     }
+  }
+
+  #viewOf(viewing: Viewing | null) {
+    return cropViewOf(this.player, this.root.getBoundingClientRect(), viewing);
   }
 
   get #state() {
@@ -129,6 +139,7 @@ export class KeyFrameTool {
 
   #show(): void {
     const { start, duration } = this.player;
+    this.#placed = this.player.end;
     this.#panel.show(this.#state);
     this.#marks.replaceChildren(
       ...this.#keys.map(({ time }) => {
