@@ -14,7 +14,8 @@ def rename_columns(engine: sa.Engine) -> None:
     """Give columns of earlier forms their present names."""
     with engine.begin() as connection:
         for table, old, new in _RENAMED:
-            if sa.inspect(connection).has_table(table) and old in _columns(connection, table):
+            present = _columns(connection, table) if sa.inspect(connection).has_table(table) else set()
+            if old in present and new not in present:
                 connection.execute(sa.text(f"ALTER TABLE {table} RENAME COLUMN {old} TO {new}"))
 
 

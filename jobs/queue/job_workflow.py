@@ -8,6 +8,7 @@ from typing import assert_never
 
 import sqlalchemy as sa
 from dbos import DBOS, DBOSClient
+from dbos._error import DBOSWorkflowCancelledError
 
 from jobs.artifacts.artifact_store import open_store
 from jobs.home.database_faults import DATABASE_FAULTS, persist
@@ -77,6 +78,10 @@ class TrainingWorkflow:
                             break
                 except DATABASE_FAULTS as fault:  # the outcome of a stage could not be recorded
                     outcome = Waits(f"the job database fails: {one_line(getattr(fault, 'orig', None) or fault)}")
+                except DBOSWorkflowCancelledError:
+                    if stage == "publish":  # its process may have come to the end before it was told
+                        await persist(self._withdraw, job_id, attempt)
+                    raise
                 match outcome:
                     case Done():
                         await persist(self._finish, job_id, attempt)
@@ -138,3 +143,9 @@ class TrainingWorkflow:
             if job is not None and job.state is JobState.CANCELLED:
                 # Cancelled between the publication and now: what a cancelled job made is not shown.
                 open_store(self._home).remove_scene(job_id)
+
+    def _withdraw(self, job_id: str, attempt: int) -> None:
+        """Take the scene of a cancelled attempt back, unless the job has gone on since."""
+        job = self._table.get(job_id)
+        if job is None or (job.attempt == attempt and job.state is not JobState.SUCCEEDED):
+            open_store(self._home).remove_scene(job_id)

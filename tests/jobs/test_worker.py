@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from hgs_core.runs.run_config import RunConfig
-from jobs.artifacts.artifact_store import ArtifactStore
+from jobs.artifacts.artifact_store import ArtifactStore, open_store
 from jobs.home.home import Home
 from jobs.home.stage_limits import StageLimits
 from jobs.home.stage_settings import STAGES, StageBytes, StageSeconds
@@ -159,6 +159,20 @@ def test_a_cancelled_job_stops_and_frees_the_worker(
     job = client.get(job_id)
     assert job is not None
     assert job.state is JobState.CANCELLED
+
+
+def test_a_job_that_is_cancelled_while_it_publishes_leaves_no_scene(
+    home: Home, client: JobClient, submit: Callable[..., str], worker: Callable[[], Worker], wait_for: WaitFor
+) -> None:
+    store = open_store(home)
+    with store.lock.collecting(60):  # publishers wait
+        worker()
+        job_id = submit(iterations=1)
+        wait_for(job_id, lambda job: job.stage == "publish" and job.total > 1, "its publication")
+        assert client.cancel(job_id).state is JobState.CANCELLED
+    other = submit(iterations=1)
+    assert wait_for(other, finished, "the end of the next job").state is JobState.SUCCEEDED
+    assert [scene.id for scene in store.list_scenes()] == [other]
 
 
 def test_a_stopped_worker_saves_and_another_goes_on_without_losing_an_iteration(

@@ -55,6 +55,8 @@ def test_everything_of_an_earlier_home_is_there(home: Home) -> None:
         }
         with client._engine.connect() as connection:
             assert connection.execute(sa.text("SELECT number FROM hgs_schema")).scalars().all() == [SCHEMA]
+            found = {column["name"] for column in sa.inspect(connection).get_columns("hgs_job")}
+            assert found == set(job_rows.c.keys())
     store = open_store(home)
     assert (check_store(store).scenes, check_store(store).sound, store.title(DONE)) == (1, True, "Renamed")
     with closing(KeyTable(home)) as keys:

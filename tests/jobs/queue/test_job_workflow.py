@@ -122,3 +122,17 @@ class TestFinish:
         workflow._finish("a", 1)
         assert row(table).state is JobState.WAITING
         assert self.scenes(home) == ["a"]
+
+    @pytest.mark.parametrize("after", ["cancelled", "retried", "succeeded"])
+    def test_a_cancelled_publication_is_taken_back_where_nothing_has_happened_since(
+        self, workflow: TrainingWorkflow, table: JobTable, home_engine: sa.Engine, home: Home, after: str
+    ) -> None:
+        if after == "succeeded":
+            table.succeed("a", 1, "a")
+        else:
+            table.cancel("a", 1)
+        if after == "retried":
+            with home_engine.begin() as connection:
+                table.requeue(connection, "a", 1)
+        workflow._withdraw("a", 1)
+        assert self.scenes(home) == ([] if after == "cancelled" else ["a"])
