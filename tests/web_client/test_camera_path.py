@@ -90,7 +90,7 @@ def test_key_frames_are_kept_in_the_address_played_and_saved(browser: Browser, s
         page.evaluate("() => window.hgs.seek(0.8)")
         two_frames(page)
         page.get_by_role("button", name="Set this key frame anew").click()
-        np.testing.assert_allclose(key(saved(page, tmp_path), 1), key(given, 1), atol=1e-3)
+        np.testing.assert_allclose(key(saved(page, tmp_path), 1), key(given, 1), atol=1e-3)  # the same again
 
 
 def two_frames(page: Page) -> None:
