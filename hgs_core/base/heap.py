@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 import gc
 
-__all__ = ["share_heap", "trim_heap"]
+__all__ = ["return_free_memory", "share_heap", "trim_heap"]
 
 _M_ARENA_MAX = -8  # number of glibc's parameter (malloc.h)
 
@@ -22,11 +22,16 @@ def share_heap() -> None:
 
 
 def trim_heap() -> None:
-    """Return unused memory of the heap to the system, where the C library (glibc) can.
-
-    A stage's arrays leave a heap full of holes behind, which the next stage's would only partly fill.
-    """
+    """Collect garbage and return free memory to the system, between stages."""
     gc.collect()
+    return_free_memory()
+
+
+def return_free_memory() -> None:
+    """Return free memory of the heap to the system, where the C library (glibc) can.
+
+    Large arrays leave a heap full of holes behind, which the next ones would only partly fill.
+    """
     trim = getattr(ctypes.CDLL(None), "malloc_trim", None)
     if trim is not None:
         trim(0)

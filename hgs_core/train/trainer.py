@@ -13,7 +13,7 @@ import numpy.typing as npt
 import torch
 from torch import Tensor
 
-from hgs_core.base.heap import trim_heap
+from hgs_core.base.heap import return_free_memory
 from hgs_core.base.progress import Progress, ProgressCallback, StageStopped, interruptible
 from hgs_core.capture.capture import Capture
 from hgs_core.decompose.masks import MotionMasks
@@ -195,7 +195,7 @@ class Trainer:
             ):
                 control.apply(state, context)
             if control.is_long:
-                trim_heap()  # a round's pictures of all cameras leave holes that steps do not fill
+                return_free_memory()  # a round's pictures of all cameras leave holes that steps do not fill
         self._torn = False
 
     def _average(self) -> None:

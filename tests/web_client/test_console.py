@@ -165,6 +165,7 @@ def test_what_the_server_refuses_stands_at_its_field(console: Console, page: Pag
     capture.get_by_text("the picture is unreadable; restore the file").wait_for()
 
     page.get_by_role("radio", name=re.compile("^park")).check()
+    page.get_by_text("Choose cameras").click()
     for name in CAMERAS[:2]:
         page.get_by_role("checkbox", name=name).check()
     page.get_by_role("button", name="Start").click()

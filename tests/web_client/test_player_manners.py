@@ -293,7 +293,7 @@ def test_nothing_keeps_anybody_out(browser: Browser, site: Site, opened: str, op
 def test_the_page_of_a_missing_scene_keeps_nobody_out(browser: Browser, site: Site) -> None:
     page = browser.new_page()
     page.goto(f"{site.address}/view/nothing-here?paused=1")
-    page.get_by_role("alert").wait_for()
+    page.get_by_role("heading", name="There is no such scene here").wait_for()
     assert page.locator("main").count() == 1
     assert violations(page) == []
     page.close()

@@ -185,7 +185,7 @@ def _require_overlap(cameras: Sequence[CameraTime], sync: Sync) -> None:
     begins, ends = float(last.stamps[0]), float(first.stamps[-1])
     if begins <= ends:
         return
-    problem = f"no moment is common: by it {last.name} begins at {begins:.6g} s, and {first.name} ends at {ends:.6g} s"
+    problem = f"by it {last.name} begins at {begins:.6g} s, and {first.name} ends at {ends:.6g} s: no moment in common"
     cure = "correct the number, or remove the file to go by the footage alone"
     begun = min(float(camera.stamps[0]) for camera in cameras)
     shortest = min(float(camera.stamps[-1] - camera.stamps[0]) for camera in cameras)

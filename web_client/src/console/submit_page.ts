@@ -99,7 +99,7 @@ class SubmitForm {
   });
   readonly #cameras = element("div", { class: "cameras" });
   readonly #chosenCameras = element("summary", {}, CHOOSE_CAMERAS);
-  readonly #folded = element("details", {}, this.#chosenCameras, this.#cameras);
+  readonly #folded = element("details", { class: "chosen-cameras" }, this.#chosenCameras, this.#cameras);
   readonly #fields: Readonly<Record<Field, FormField>>;
   readonly #submit = element("button", { class: "button primary" }, "Start");
   readonly #check = new CheckPanel();

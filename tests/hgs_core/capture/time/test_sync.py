@@ -74,8 +74,8 @@ def test_sync_json_counts_for_the_fingerprint(capture: Path) -> None:
         ('{"frames": 3}', "frames is 3"),
         ('{"frames": {"cam02": "late"}}', "frames of cam02 is 'late'"),
         ('{"frames": {"cam99": 1}}', "there is no camera 'cam99'; the cameras are cam01, cam02, cam03, cam10"),
-        ('{"frames": {"cam02": 99}}', "no moment is common: by it cam02 begins at 3.3 s, .*; correct the number"),
-        ('{"seconds": {"cam02": 33}}', "no moment is common: .*; where they are milliseconds, .*, as in 0.033; or"),
+        ('{"frames": {"cam02": 99}}', "by it cam02 begins at 3.3 s, .*: no moment in common; correct the number"),
+        ('{"seconds": {"cam02": 33}}', "no moment in common; where they are milliseconds, .*, as in 0.033; or"),
     ],
 )
 def test_bad_values_of_sync_json_are_named(capture: Path, content: str, problem: str) -> None:
