@@ -71,7 +71,8 @@ def hosting(browser: Browser, address: str, backend: dict[str, Any], **options: 
         made = {"width": WIDTH, "height": HEIGHT, "background": BACKGROUND, "renderer": backend} | options
         page.evaluate("(options) => { window.host = new NodeHost(options); return host.renderer.init() }", made)
         kind = page.evaluate("() => host.renderer.backend.isWebGPUBackend === true")
-        assert kind != backend["forceWebGL"], "this browser offers no adapter of WebGPU"
+        if kind == backend["forceWebGL"]:
+            pytest.skip("this browser offers no adapter of WebGPU")
         yield page
     finally:
         page.close()
