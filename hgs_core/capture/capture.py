@@ -15,7 +15,7 @@ from hgs_core.base.progress import ProgressCallback, silent
 from hgs_core.capture.held_pictures import FrameSource, HeldPictures
 from hgs_core.scene.camera import Camera
 
-__all__ = ["CameraVideo", "Capture", "files_fingerprint"]
+__all__ = ["CameraVideo", "Capture", "files_fingerprint", "frames_in"]
 
 
 @dataclass(frozen=True)
@@ -91,10 +91,7 @@ class Capture:
 
     def frames_in(self, seconds: float) -> int:
         """Return how many frames `seconds` take, rounded: at least one, at most all."""
-        frames = len(self.times)
-        if frames == 1:
-            return 1
-        return int(np.clip(round(seconds / self.seconds * (frames - 1)), 1, frames))
+        return frames_in(seconds, self.times)
 
     def frame(self, camera: int, frame: int) -> npt.NDArray[np.uint8]:
         """Return one picture [H, W, 3], sRGB, read-only.
@@ -229,3 +226,11 @@ def files_fingerprint(root: Path, files: Iterable[tuple[Path, int]], described_b
 
 def _relative(path: Path, root: Path) -> str:
     return (path.relative_to(root) if path.is_relative_to(root) else path.resolve()).as_posix()
+
+
+def frames_in(seconds: float, times: npt.NDArray[np.float64]) -> int:
+    """Return how many of the frames at `times` [F], seconds, a stretch takes, rounded: at least one, at most all."""
+    frames = len(times)
+    if frames == 1:
+        return 1
+    return int(np.clip(round(seconds / float(times[-1] - times[0]) * (frames - 1)), 1, frames))

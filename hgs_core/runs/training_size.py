@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
-from hgs_core.capture.capture import Capture
+from hgs_core.capture.capture import Capture, frames_in
 from hgs_core.capture.held_out import FEWEST_CAMERAS
 from hgs_core.runs.run_config import RunConfig
 from hgs_core.train.segment_cuts import cut_into_segments
@@ -51,26 +53,16 @@ class TrainingSize:
         shown = np.array([camera.width * camera.height for camera in capture.cameras], float)
         reductions = config.capture.reductions
         factors = [reductions.get(camera.name, config.capture.downscale) for camera in capture.cameras]
-        segments = cut_into_segments(capture.times, config.train.segment_frames)
-        every = capture.frames_in(config.points.interval)
-        budgets = [(one.frames, *config.train.splat_budgets(one.seconds)) for one in segments]
-        return cls(
-            len(capture.cameras),
-            len(training),
-            len(capture.times),
-            float((shown * np.square(factors)).mean()),
-            float(shown[list(training)].mean()),
-            float(np.mean(capture.straightened)),
-            len({frame for one in segments for frame in one.sampled(every)}),
-            capture.mask_file(training[0], 0) is not None,
-            not capture.unaligned or config.capture.sync == "none",
-            config.points.static,
-            config.points.dynamic_in(capture.seconds),
-            tuple(SegmentSize(*one) for one in budgets),
-            config.train.iterations,
-            config.train.coarse_until,
-            config.train.moving_steps,
-            config.encode.by_segment,
+        return cls._with_times(
+            capture.times,
+            config,
+            cameras=len(capture.cameras),
+            training_cameras=len(training),
+            filmed_pixels=float((shown * np.square(factors)).mean()),
+            pixels=float(shown[list(training)].mean()),
+            straightened=float(np.mean(capture.straightened)),
+            masked=capture.mask_file(training[0], 0) is not None,
+            aligned=not capture.unaligned or config.capture.sync == "none",
         )
 
     @classmethod
@@ -79,24 +71,33 @@ class TrainingSize:
 
         Its pictures have so many pixels, and no lens bends.
         """
-        last = seconds * (frames - 1) / frames
-        every = int(np.clip(round(config.points.interval / last * (frames - 1)), 1, frames)) if frames > 1 else 1
-        segments = cut_into_segments(np.linspace(0, last, frames), config.train.segment_frames)
+        return cls._with_times(
+            np.linspace(0, seconds * (frames - 1) / frames, frames),
+            config,
+            cameras=cameras,
+            training_cameras=cameras - (cameras >= FEWEST_CAMERAS),
+            filmed_pixels=pixels,
+            pixels=pixels / config.capture.downscale**2,
+            straightened=0.0,
+            masked=False,
+            aligned=False,
+        )
+
+    @classmethod
+    def _with_times(cls, times: npt.NDArray[np.float64], config: RunConfig, **known: Any) -> TrainingSize:
+        """Return a size from the times of the frames, seconds; `known` are the fields that come from the pictures."""
+        seconds = float(times[-1] - times[0])
+        segments = cut_into_segments(times, config.train.segment_frames)
+        every = frames_in(config.points.interval, times)
         return cls(
-            cameras,
-            cameras - (cameras >= FEWEST_CAMERAS),
-            frames,
-            pixels,
-            pixels / config.capture.downscale**2,
-            0.0,
-            len({frame for one in segments for frame in one.sampled(every)}),
-            False,
-            False,
-            config.points.static,
-            config.points.dynamic_in(last),
-            tuple(SegmentSize(one.frames, *config.train.splat_budgets(one.seconds)) for one in segments),
-            config.train.iterations,
-            config.train.coarse_until,
-            config.train.moving_steps,
-            config.encode.by_segment,
+            frames=len(times),
+            moments=len({frame for one in segments for frame in one.sampled(every)}),
+            first_static=config.points.static,
+            first_dynamic=config.points.dynamic_in(seconds),
+            segments=tuple(SegmentSize(one.frames, *config.train.splat_budgets(one.seconds)) for one in segments),
+            iterations=config.train.iterations,
+            coarse_until=config.train.coarse_until,
+            moving_steps=config.train.moving_steps,
+            by_segment=config.encode.by_segment,
+            **known,
         )
