@@ -8,7 +8,7 @@ from typing import assert_never
 
 import sqlalchemy as sa
 from dbos import DBOS, DBOSClient
-from dbos._error import DBOSWorkflowCancelledError
+from dbos._error import DBOSWorkflowCancelledError, DBOSWorkflowConflictIDError
 
 from jobs.artifacts.artifact_store import open_store
 from jobs.home.database_faults import DATABASE_FAULTS, persist
@@ -17,7 +17,7 @@ from jobs.home.passing_faults import one_line
 from jobs.home.stage_settings import STAGES
 from jobs.process.stage_outcome import Done, Failed, Killed, StageOutcome, Waits, read_outcome, record_of
 from jobs.process.stage_runner import StageRunner
-from jobs.queue.enqueue import TRAIN_JOB, ask_for_help, enqueue
+from jobs.queue.enqueue import TRAIN_JOB, ask_for_help, enqueue, workflow_id
 from jobs.queue.retry_pause import retry_pause
 from jobs.queue.stage_attempt import StageAttempt
 from jobs.records.job import JobState
@@ -78,8 +78,9 @@ class TrainingWorkflow:
                             break
                 except DATABASE_FAULTS as fault:  # the outcome of a stage could not be recorded
                     outcome = Waits(f"the job database fails: {one_line(getattr(fault, 'orig', None) or fault)}")
-                except DBOSWorkflowCancelledError:
-                    if stage == "publish":  # its process may have come to the end before it was told
+                except (DBOSWorkflowCancelledError, DBOSWorkflowConflictIDError):
+                    # A stage that a cancellation meets at its very end is no longer ours to record.
+                    if stage == "publish":
                         await persist(self._withdraw, job_id, attempt)
                     raise
                 match outcome:
@@ -145,7 +146,13 @@ class TrainingWorkflow:
                 open_store(self._home).remove_scene(job_id)
 
     def _withdraw(self, job_id: str, attempt: int) -> None:
-        """Take the scene of a cancelled attempt back, unless the job has gone on since."""
+        """Take the scene of a cancelled attempt back, unless the job has gone on since, here or with another worker."""
         job = self._table.get(job_id)
-        if job is None or (job.attempt == attempt and job.state is not JobState.SUCCEEDED):
+        if job is not None and (job.attempt != attempt or job.state is JobState.SUCCEEDED):
+            return
+        # The workflow and not the row, which says so a moment later.
+        workflow = self._queue.list_workflows(
+            workflow_ids=[workflow_id(job_id, attempt)], load_input=False, load_output=False
+        )
+        if job is None or any(one.status == "CANCELLED" for one in workflow):
             open_store(self._home).remove_scene(job_id)

@@ -139,7 +139,7 @@ class _Sending:
                 headers = _TUS | {"Upload-Offset": str(offset), "Content-Type": _STREAM}
                 try:
                     answer = self._client.once("PATCH", location, headers=headers, body=piece)
-                    tries = 0
+                    offset, tries = int(answer.headers["upload-offset"]), 0
                 except (LostConnectionError, RefusedError) as error:
                     if isinstance(error, RefusedError) and error.code != "offset-mismatch":
                         raise
@@ -149,9 +149,17 @@ class _Sending:
                         ) from error
                     self._client.wait(tries, error)
                     tries += 1
-                    answer = self._client.request("HEAD", location)
-                offset = int(answer.headers["upload-offset"])
+                    offset = self._received(location, file.size)
                 self._note(file.path, offset)
+
+    def _received(self, location: str, size: int) -> int:
+        """Return the bytes of a file that the server has; all of them where the upload is complete since."""
+        try:
+            return int(self._client.request("HEAD", location).headers["upload-offset"])
+        except RefusedError as error:
+            if error.status != 409:  # the answer to HEAD has no body, and so no code
+                raise
+            return size
 
     def _note(self, path: str, offset: int) -> None:
         with self._lock:

@@ -130,6 +130,23 @@ def test_a_small_file_that_another_client_sends_meanwhile_is_asked_after(
     assert len((sent / "sparse" / "cameras.txt").read_bytes()) == 100
 
 
+def test_a_file_whose_upload_another_client_finishes_meanwhile_is_there(
+    client: Direct, files: list[CaptureFile]
+) -> None:
+    other = Direct(client.server)
+
+    def overtake(method: str, path: str) -> None:
+        if method == "PATCH":
+            client.before = lambda method, path: None
+            send_capture(other, "studio", files, lambda done, total: None)
+            raise LostConnectionError("cut")
+
+    client.before = overtake
+    sent = Path(send_capture(client, "studio", files, lambda done, total: None))
+    assert client.requests.count("HEAD 0") == 1  # it was asked when all was over
+    assert (sent / "cam00.mp4").read_bytes() == files[0].file.read_bytes()
+
+
 def test_a_piece_that_never_gets_through_is_given_up_on(client: Direct, files: list[CaptureFile]) -> None:
     def lose(method: str, path: str) -> None:
         if method == "PATCH":
