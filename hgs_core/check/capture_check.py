@@ -22,7 +22,7 @@ from hgs_core.check.left_out import judge_left_out
 from hgs_core.check.picture_changes import watched_frames
 from hgs_core.check.poses import judge_poses
 from hgs_core.check.poses_by_motion import PosesByMotion, judge_by_motion
-from hgs_core.check.recordings import judge_pictures, judge_rates
+from hgs_core.check.recordings import judge_number, judge_pictures, judge_rates
 from hgs_core.check.shown_pairs import shown_pairs
 from hgs_core.check.starts_by_features import feature_offsets, match_leads
 from hgs_core.check.starts_by_motion import energy_offsets
@@ -81,7 +81,7 @@ def check_capture(capture: Capture, progress: ProgressCallback = silent) -> Capt
     apart = _APART if len(capture.times) >= FEWEST_FRAMES else _APART_IF_SHORT
     findings += _unsynchronous(names, ahead, apart, {name for finding in moving for name in finding.cameras})
     findings += judge_pictures(names, seen.views, _blank(names, watched))
-    findings += judge_masks(names, [view.masks for view in seen.views])
+    findings += judge_number(seen.cameras) + judge_masks(names, [view.masks for view in seen.views])
     findings += judge_rates(capture.path, names) + judge_interlacing(capture)
     errors = suspects.errors if pairs else tuple(camera_errors(len(names), {}, pairs))
     results = tuple(

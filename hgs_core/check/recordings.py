@@ -1,4 +1,4 @@
-"""Findings about pictures and frame rates."""
+"""Findings about pictures, frame rates and the number of cameras."""
 
 from __future__ import annotations
 
@@ -13,15 +13,17 @@ from hgs_core.capture.footage import find_places
 from hgs_core.capture.pictures.video import announced_length
 from hgs_core.check.evidence import CameraEvidence
 from hgs_core.check.findings import Finding
+from hgs_core.points.far_apart import stand_far_apart
+from hgs_core.scene.camera import Camera
 
-__all__ = ["judge_pictures", "judge_rates"]
+__all__ = ["judge_number", "judge_pictures", "judge_rates"]
 
 _FLAT = 0.96  # share of pixels; an object before a plain background leaves more
 _FEW_CAMERAS = 4
 
 
 def judge_pictures(names: Sequence[str], views: Sequence[CameraEvidence], blank: Collection[str] = ()) -> list[Finding]:
-    """Find pictures that show nothing, and too few of them; the cameras that are `blank` are reported already."""
+    """Find pictures that show nothing; the cameras that are `blank` are reported already."""
     findings = []
     flat = [i for i, view in enumerate(views) if view.level[1] > _FLAT and names[i] not in blank]
     for level in sorted({views[i].level[0] for i in flat}):
@@ -30,10 +32,19 @@ def judge_pictures(names: Sequence[str], views: Sequence[CameraEvidence], blank:
         problem = f"{share:.0%} of the first picture is nothing but the level {level}"
         cure = "store 8 bits per channel" if level in (0, 255) else "look at the files"
         findings.append(Finding(len(flat) == len(views), tuple(cameras), problem, cure))
-    if len(views) < _FEW_CAMERAS:
-        problem = f"{counted(len(views), 'camera')}: a scene looks right only near where they stand"
-        findings.append(Finding(False, (), problem, f"record with {_FEW_CAMERAS} or more"))
     return findings
+
+
+def judge_number(cameras: Sequence[Camera]) -> list[Finding]:
+    """Find that cameras are few; those all around a subject show it whole, which others do not."""
+    if len(cameras) >= _FEW_CAMERAS:
+        return []
+    count = counted(len(cameras), "camera")
+    if stand_far_apart(cameras):
+        problem = f"{count} all around: what moves looks right from anywhere, the room only near where they stand"
+        return [Finding(False, (), problem, "add cameras in between for the room")]
+    problem = f"{count}: a scene looks right only near where they stand"
+    return [Finding(False, (), problem, f"record with {_FEW_CAMERAS} or more")]
 
 
 def judge_rates(path: Path, names: Sequence[str]) -> list[Finding]:

@@ -7,7 +7,8 @@ import av
 import numpy as np
 
 from hgs_core.check.evidence import CameraEvidence
-from hgs_core.check.recordings import judge_pictures, judge_rates
+from hgs_core.check.recordings import judge_number, judge_pictures, judge_rates
+from tests.synthetic import ring_of_cameras
 
 NAMES = ["a", "b", "c", "d"]
 
@@ -27,9 +28,12 @@ def test_pictures_of_one_level_stop_where_no_camera_shows_more() -> None:
     assert judge_pictures(NAMES, [view(), view((0, 0.99)), view(), view()], blank={"b"}) == []
 
 
-def test_two_cameras_are_few() -> None:
-    (finding,) = judge_pictures(NAMES[:2], [view()] * 2)
-    assert "2 cameras" in finding.problem
+def test_few_cameras_beside_each_other_and_few_all_around_are_told_apart() -> None:
+    (finding,) = judge_number(ring_of_cameras(9, 64, 48)[:3])
+    assert "3 cameras: a scene looks right only near" in finding.problem
+    (finding,) = judge_number(ring_of_cameras(3, 64, 48))
+    assert "3 cameras all around: what moves looks right from anywhere" in finding.problem
+    assert judge_number(ring_of_cameras(4, 64, 48)) == []
 
 
 def test_a_video_at_another_rate_is_named_with_the_time_in_which_it_drifts_by_a_frame(tmp_path: Path) -> None:
