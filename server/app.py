@@ -21,6 +21,7 @@ from jobs.runs.stored_captures import StoredCaptures
 from server.access.allowed_hosts import AllowedHosts, HostCheck
 from server.access.door import AccessControl
 from server.access.origins import OriginPolicy
+from server.access.request_rate import RequestRate
 from server.access.visitors import Access, Asking
 from server.captures.capture_folders import CaptureFolders
 from server.captures.capture_readers import CaptureReaders
@@ -78,6 +79,7 @@ def create_app(
     artifacts: Artifacts | None = None,
     access: Access | None = None,
     max_streams: int | None = None,
+    requests_per_second: float | None = None,
     viewer: Path = VIEWER,
     root: str = "",
 ) -> FastAPI:
@@ -86,8 +88,9 @@ def create_app(
     `captures` are the folders that jobs may read, `uploads` how much clients may send, `origins` the pages of other
     hosts that may read scenes and chunks (`*` for all), `hosts` the names that the server answers to, by default
     localhost alone, `access` who is let in, by default everybody, `max_streams` how many streams are open at once, by
-    default as many as come, `root` the path under which a proxy passes requests on, by default none. The queue, the
-    store and the folder of the built viewer can be replaced, as tests do.
+    default as many as come, `requests_per_second` how many requests one client may make, by default any number, `root`
+    the path under which a proxy passes requests on, by default none. The queue, the store and the folder of the built
+    viewer can be replaced, as tests do.
     """
     store = artifacts or open_store(home)
     received = Uploads(home.folder / "uploads", uploads, StoredCaptures(home) if home.runs_in_store else None)
@@ -129,6 +132,8 @@ def create_app(
     app.state.service, app.state.api = service, []
     install_problem_handlers(app)
     app.add_middleware(StreamAdmission, streams=service.streams, refused=metrics.refused.inc)
+    if requests_per_second is not None:
+        app.add_middleware(RequestRate, rate=requests_per_second)
     app.add_middleware(AccessControl, access=service.access, chunks_of=service.catalogue.chunk_ids)
     if service.origins.readers:
         app.add_middleware(

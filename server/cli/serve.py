@@ -55,7 +55,7 @@ def add_parser(commands: Any) -> None:
         metavar="LIMITS",
         default="",
         help="how much may be sent to this server, as in quota=2T,upload=200G,file=100G,files=20000,open=16,client=4,"
-        "free=10G,hours=48, of which all may be left out; or off; default: HGS_UPLOADS (docs/upload.md)",
+        "free=10G,hours=48,share=100G, of which all may be left out; or off; default: HGS_UPLOADS (docs/upload.md)",
     )
     parser.add_argument(
         "--allow-origin",
@@ -89,6 +89,14 @@ def add_parser(commands: Any) -> None:
         help="streams that may be open at once; others are told to come again (default: as many as it can carry)",
     )
     parser.add_argument(
+        "--requests-per-second",
+        metavar="N",
+        type=float,
+        default=None,
+        help="requests that one key, or one address without a key, may make; four seconds' worth at once "
+        "(default: no limit)",
+    )
+    parser.add_argument(
         "--drain",
         metavar="SECONDS",
         type=float,
@@ -102,7 +110,11 @@ def add_parser(commands: Any) -> None:
         help="the path under which a proxy passes requests on as they came, such as /hgs; default: HGS_ROOT_PATH; "
         "not for a proxy that takes the path off (docs/deploy.md)",
     )
-    parser.add_argument("--access-log", action="store_true", help="write a line of JSON for every request to stderr")
+    parser.add_argument(
+        "--access-log",
+        action="store_true",
+        help="write a line of JSON to stderr for every request, not for deletions alone",
+    )
     parser.set_defaults(run=_run)
 
 
@@ -113,6 +125,9 @@ def _run(options: argparse.Namespace) -> int:
         raise InputError("--connections-per-address", f"{options.connections_per_address} is too few", "give 1 or more")
     if options.max_streams is not None and options.max_streams < 1:
         raise InputError("--max-streams", f"{options.max_streams} is too few", "give 1 or more")
+    rate = options.requests_per_second
+    if rate is not None and rate <= 0:
+        raise InputError("--requests-per-second", f"{rate} is no limit", "give a number above 0, or leave it out")
     if not 0 <= options.drain <= MOST_DRAIN:
         raise InputError("--drain", f"{options.drain} is no number of seconds", f"give 0 to {MOST_DRAIN}")
     for origin in options.origins:
@@ -140,8 +155,7 @@ def _run(options: argparse.Namespace) -> int:
 
     keep_secrets()
     configure_log()
-    if options.access_log:
-        configure_access_log()
+    configure_access_log(deletions_only=not options.access_log)
     raise_open_file_limit()
     limits = ConnectionLimits.for_files(open_file_limit(), options.connections_per_address)
     hosts = AllowedHosts.configured(options.host, options.hosts)
@@ -166,6 +180,7 @@ def _run(options: argparse.Namespace) -> int:
             artifacts=store,
             access=Access(keys, asking),
             max_streams=options.max_streams,
+            requests_per_second=rate,
             root=root,
         )
         host = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(options.host, options.host)

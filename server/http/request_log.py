@@ -21,15 +21,16 @@ __all__ = ["REQUEST_ID", "RequestLog", "configure_access_log"]
 log = logging.getLogger("hgs.access")
 
 REQUEST_ID = "X-Request-Id"
+_DELETIONS = logging.WARNING  # level
 _GIVEN = re.compile(r"[A-Za-z0-9._-]{1,64}")
 
 
-def configure_access_log(stream: TextIO = sys.stderr) -> None:
-    """Write the access log to a stream; it is off by default."""
+def configure_access_log(stream: TextIO = sys.stderr, *, deletions_only: bool = False) -> None:
+    """Write the access log to a stream: every request, or only deletions, whose authors are asked for later."""
     handler = logging.StreamHandler(stream)
     handler.setFormatter(logging.Formatter("%(message)s"))
     log.addHandler(handler)
-    log.setLevel(logging.INFO)
+    log.setLevel(_DELETIONS if deletions_only else logging.INFO)
     log.propagate = False
 
 
@@ -87,8 +88,9 @@ class RequestLog:
             elif status == 101:
                 self._metrics.streams.dec()
                 self._metrics.stream_closes.labels(str(closed[0] if closed else 1006)).inc()
-            if log.isEnabledFor(logging.INFO):
-                log.info(_line(scope, identity, status, sent, seconds, closed))
+            level = _DELETIONS if scope.get("method") == "DELETE" else logging.INFO
+            if log.isEnabledFor(level):
+                log.log(level, _line(scope, identity, status, sent, seconds, closed))
 
 
 def _line(scope: Scope, identity: str, status: int, sent: int, seconds: float, closed: list[int]) -> str:

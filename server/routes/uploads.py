@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-from ipaddress import ip_network
 from pathlib import Path
 
 from fastapi import APIRouter, Request, Response
@@ -12,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, StrictInt, StrictStr
 from starlette.concurrency import run_in_threadpool
 
 from jobs.records.job import JobState, Place
-from server.access.visitors import Visitor
+from server.access.clients import client_of
 from server.http.conditional import respond_json
 from server.http.problems import ProblemError
 from server.http.request_body import read_json
@@ -55,20 +53,9 @@ async def begin(request: Request, service: ServiceDep) -> Response:
         raise ProblemError(422, "tus-endpoint", _TUS_BELOW, field="Tus-Resumable")
     body = await read_json(request, Beginning)
     announced = Announcement(body.name, body.files, body.bytes, body.key)
-    upload, new = await run_in_threadpool(service.uploads.begin, announced, _client(request))
+    upload, new = await run_in_threadpool(service.uploads.begin, announced, client_of(request))
     headers = {"Location": f"uploads/{upload.id}"}
     return JSONResponse(service.uploads.describe(upload), 201 if new else 200, headers)
-
-
-def _client(request: Request) -> str:
-    """Return the owner of an upload: a key, or an address, or for IPv6 its /64 network, as one client has all of it."""
-    visitor: Visitor | None = getattr(request.state, "visitor", None)
-    if visitor is not None and visitor.key is not None:
-        return f"key {visitor.key.id}"
-    address = request.client.host if request.client else ""
-    with contextlib.suppress(ValueError):
-        return f"address {ip_network((address, 64 if ':' in address else 32), strict=False)}"
-    return f"address {address}"
 
 
 @router.api_route("", methods=["GET", "HEAD"])

@@ -31,6 +31,7 @@ class UploadLimits:
     files: int = 20_000  # files per upload
     open: int = 16  # unfinished uploads
     client: int = 4  # unfinished uploads per key, or per address without keys
+    share: int | None = None  # the quota of one key, or of one address without keys; None: no other
     free: int = 10 * GB  # disk space that uploads leave free
     hours: float = 48.0  # idle time after which an unfinished upload is deleted
 
@@ -73,6 +74,25 @@ class UploadLimits:
         if size > self.upload:
             limit = f"{bytes_for_people(size)}; one upload may have {bytes_for_people(self.upload)}"
             raise _too_large("bytes", limit, f"upload={_rounded_up(size)}")
+
+    def check_quota(self, size: int, held: int, own: int) -> None:
+        """Reject an upload for which its client, with `own` bytes there, or all, with `held`, have no room left.
+
+        Raises:
+            ProblemError: 507.
+        """
+        share = self.quota if self.share is None else self.share
+        for most, there, whose, setting in (
+            (self.quota, held, "uploads", "quota"),
+            (share, own, "uploads of one key or address", "share"),
+        ):
+            if there + size > most:
+                detail = (
+                    f"{whose} may take {bytes_for_people(most)} in total (--uploads {setting}), of which "
+                    f"{bytes_for_people(max(most - there, 0))} are left, and this one has {bytes_for_people(size)}; "
+                    "delete uploaded captures that are no longer needed"
+                )
+                raise ProblemError(507, "upload-quota", detail, field="bytes")
 
     def check_file(self, path: str, size: int) -> None:
         """Reject a file that is too large by itself.

@@ -184,13 +184,8 @@ class Uploads:
             detail = f"{limits.open} uploads are unfinished (--uploads open); finish or delete one, or try again later"
             raise ProblemError(503, "uploads-open", detail, headers={"Retry-After": "60"})
         held = sum(upload.announced.bytes for upload in self._uploads.values())
-        if held + announced.bytes > limits.quota:
-            detail = (
-                f"uploads may take {bytes_for_people(limits.quota)} in total (--uploads quota), of which "
-                f"{bytes_for_people(limits.quota - held)} are left, and this one has "
-                f"{bytes_for_people(announced.bytes)}; delete uploaded captures that are no longer needed"
-            )
-            raise ProblemError(507, "upload-quota", detail, field="bytes")
+        share = sum(upload.announced.bytes for upload in self._uploads.values() if client and upload.client == client)
+        limits.check_quota(announced.bytes, held, share)
         awaited = sum(upload.announced.bytes - upload.received for upload in unfinished)
         room = shutil.disk_usage(self.folder).free - awaited - limits.free
         if announced.bytes > room:

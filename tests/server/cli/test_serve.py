@@ -143,6 +143,7 @@ def test_a_server_that_others_can_reach_needs_keys_or_to_be_called_open(tmp_path
     ("options", "problem"),
     [
         (["--max-streams", "0"], "--max-streams: 0 is too few"),
+        (["--requests-per-second", "0"], "--requests-per-second: 0.0 is no limit"),
         (["--drain", "1e9"], "is no number of seconds; give 0 to 300"),
     ],
 )

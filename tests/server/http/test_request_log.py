@@ -38,6 +38,14 @@ def test_every_request_is_a_line_without_its_query(server: Server, lines: Any) -
     assert "secret" not in json.dumps(line)
 
 
+def test_deletions_alone_are_lines_where_nothing_more_is_asked_for(server: Server, lines: Any) -> None:
+    configure_access_log(io.StringIO(), deletions_only=True)
+    server.get("/v1/scenes/nowhere")
+    server.request("DELETE", "/v1/scenes/nowhere")
+    [line] = lines()
+    assert (line["method"], line["path"]) == ("DELETE", "/v1/scenes/nowhere")
+
+
 def test_a_proxys_id_is_kept_and_another_text_is_not(server: Server) -> None:
     assert server.get("/v1/health", X_Request_Id="abc-1.2").headers[REQUEST_ID] == "abc-1.2"
     for odd in ("", "a b", "x" * 65):

@@ -125,6 +125,17 @@ def test_what_would_be_too_much_together_is_refused(
     assert len(uploads.all()) == 1
 
 
+def test_one_client_may_have_less_than_all_together(open_uploads: Callable[..., Uploads]) -> None:
+    uploads = open_uploads(share=400)
+    uploads.begin(STUDIO, "key 1")
+    with pytest.raises(
+        ProblemError, match=r"400 bytes in total \(--uploads share\), of which 50 bytes are left"
+    ) as caught:
+        uploads.begin(Announcement("x", 1, 100, ""), "key 1")
+    assert caught.value.status == 507
+    uploads.begin(Announcement("x", 1, 100, ""), "key 2")
+
+
 def test_bytes_are_refused_while_the_disk_is_full(open_uploads: Callable[..., Uploads]) -> None:
     open_uploads().begin(STUDIO)
     with pytest.raises(ProblemError, match="received data is kept"):
