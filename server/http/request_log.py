@@ -26,7 +26,7 @@ _GIVEN = re.compile(r"[A-Za-z0-9._-]{1,64}")
 
 
 def configure_access_log(stream: TextIO = sys.stderr, *, deletions_only: bool = False) -> None:
-    """Write the access log to a stream: every request, or only deletions, whose authors are asked for later."""
+    """Write the access log to a stream: every request, or deletions alone, as people ask for their authors later."""
     handler = logging.StreamHandler(stream)
     handler.setFormatter(logging.Formatter("%(message)s"))
     log.addHandler(handler)
