@@ -15,8 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 import torch
 
+from hgs_core.base import morton
 from hgs_core.base.arrays import Doubles, Floats
-from hgs_core.codec.format import morton
 from hgs_core.fit.detail_cameras import DIRECTIONS, best_directions, detail_distances
 from hgs_core.fit.standpoints import standpoints
 from hgs_core.render.contributions import contributions

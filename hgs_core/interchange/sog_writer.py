@@ -12,6 +12,7 @@ import zipfile
 import numpy as np
 from numpy.typing import NDArray
 
+from hgs_core.base import morton
 from hgs_core.base.arrays import Doubles, Floats
 from hgs_core.base.errors import InputError
 from hgs_core.interchange.changes import Change, Written
@@ -52,7 +53,7 @@ def sog_file(splats: StaticSplats[Floats], antialiased: bool = False) -> Written
     opacities = np.rint(opacities_of(splats.opacity_logits) * 255).astype(np.uint8)
     units = unit_quaternions(splats.quats)
     turns, kept_turns = _rotations(units)
-    order = _morton_order(places)
+    order = morton.order(morton.interleave(places.astype(np.uint32)))  # neighbours one after the other
     pictures = {
         "means_l": _opaque(places & 255),
         "means_u": _opaque(places >> 8),
@@ -100,15 +101,6 @@ def _rotations(units: Doubles) -> tuple[NDArray[np.uint8], Doubles]:
 def _opaque(numbers: NDArray[np.integer]) -> NDArray[np.uint8]:
     """Return pixels [N, 4] of three numbers each."""
     return np.concatenate([numbers.astype(np.uint8), np.full((len(numbers), 1), 255, np.uint8)], axis=1)
-
-
-def _morton_order(places: NDArray[np.int64]) -> NDArray[np.intp]:
-    """Return the order of places [N, 3] of 16 bits along a curve that visits neighbours one after the other."""
-    code = np.zeros(len(places), np.uint64)
-    for bit in range(16):
-        for axis in range(3):
-            code |= ((places[:, axis].astype(np.uint64) >> np.uint64(bit)) & np.uint64(1)) << np.uint64(3 * bit + axis)
-    return np.argsort(code, kind="stable")
 
 
 def _picture(pixels: NDArray[np.uint8]) -> bytes:

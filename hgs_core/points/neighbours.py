@@ -1,4 +1,4 @@
-"""Distances to the nearest neighbours, in numpy alone."""
+"""Distances to the nearest neighbours."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+
+from hgs_core.base import morton
 
 __all__ = ["mean_neighbour_distance", "nearest_neighbours", "thin"]
 
@@ -40,7 +42,7 @@ def nearest_neighbours(xyz: npt.NDArray[np.floating[Any]], count: int) -> npt.ND
         raise ValueError(f"{len(xyz)} points have no {count} neighbours")
     points = np.asarray(xyz, np.float64) - xyz.min(axis=0)
     side = float(points.max()) or 1.0
-    orders = [np.argsort(_morton(points / side * 0.5 + 0.5 * shift), kind="stable") for shift in _CUBE_SHIFTS]
+    orders = [_along_curve(points / side * 0.5 + 0.5 * shift) for shift in _CUBE_SHIFTS]
     places = [np.argsort(order, kind="stable") for order in orders]
     reach = max(_CURVE_REACH, count)  # so that each curve alone has enough of them, at its ends, too
     nearest = np.empty((len(points), count), np.int64)
@@ -80,11 +82,7 @@ def thin(xyz: npt.NDArray[np.floating[Any]], distance: float) -> npt.NDArray[np.
     return np.sort(first)
 
 
-def _morton(unit: npt.NDArray[np.float64]) -> npt.NDArray[np.uint64]:
-    """Return the Morton codes of points [P, 3] in [0, 1): the bits of x, y and z in turn."""
-    cells = np.clip(unit * (1 << _MORTON_BITS), 0, (1 << _MORTON_BITS) - 1).astype(np.uint64)
-    code = np.zeros(len(unit), np.uint64)
-    for bit in range(_MORTON_BITS):
-        for axis in range(3):
-            code |= ((cells[:, axis] >> np.uint64(bit)) & np.uint64(1)) << np.uint64(3 * bit + axis)
-    return code
+def _along_curve(unit: npt.NDArray[np.float64]) -> npt.NDArray[np.int64]:
+    """Return the order of points [P, 3] in [0, 1) along a Morton curve."""
+    cells = np.clip(unit * (1 << _MORTON_BITS), 0, (1 << _MORTON_BITS) - 1).astype(np.uint32)
+    return morton.order(morton.interleave(cells))

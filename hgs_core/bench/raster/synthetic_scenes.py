@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from hgs_core.base import morton
 from hgs_core.base.arrays import Floats
-from hgs_core.codec.format import morton
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.opacities import logits_of
 from hgs_core.scene.splats import DynamicSplats, StaticSplats

@@ -8,13 +8,13 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from hgs_core.base import morton
 from hgs_core.base.arrays import Doubles, Whole
 from hgs_core.codec.encoder.appearance import appearance_numbers, rotation_numbers
 from hgs_core.codec.encoder.encode_settings import EncodeSettings
 from hgs_core.codec.encoder.prepare import PreparedStatics
 from hgs_core.codec.encoder.rotation_coding import shape_error
 from hgs_core.codec.encoder.steps import Steps
-from hgs_core.codec.format import morton
 from hgs_core.codec.format.attributes import ATTRIBUTES, Attribute, Kind
 from hgs_core.codec.format.chunk import Bounds, Box, Container, Stream, pack
 from hgs_core.codec.format.decode import DecodedChunk, decode_chunk

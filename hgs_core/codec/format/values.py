@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hgs_core.codec.format import morton
+from hgs_core.base import morton
 from hgs_core.codec.format.attributes import Attribute
 from hgs_core.codec.format.chunk import Stream
 from hgs_core.codec.format.format_error import ChunkError

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hgs_core.codec.format import morton
+from hgs_core.base import morton
 
 coordinate = st.integers(0, (1 << 24) - 1)
 grids = st.lists(st.tuples(coordinate, coordinate, coordinate), min_size=1, max_size=40)
