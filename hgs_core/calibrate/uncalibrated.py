@@ -28,7 +28,8 @@ def find_videos(folder: Path) -> dict[str, Path]:
         InputError: the folder is missing, has no two videos, or two of one name.
     """
     if not folder.is_dir():
-        raise InputError(folder, "the folder does not exist", "give a folder of videos, one of each camera")
+        problem = "is a file, not a folder" if folder.exists() else "the folder does not exist"
+        raise InputError(folder, problem, "give a folder of videos, one of each camera")
     for place in find_places(folder):
         footage = [one for one in place.footage if not (one.video and is_sound_only(one.files[0]))]
         if place.kind == "videos" and len(footage) > 1:

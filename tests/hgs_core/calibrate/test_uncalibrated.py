@@ -36,6 +36,8 @@ def test_two_videos_of_one_name_and_too_few_are_refused(tmp_path: Path) -> None:
     touch(tmp_path, "a.mov")
     with pytest.raises(InputError, match="two videos are called a"):
         find_videos(tmp_path)
+    with pytest.raises(InputError, match="is a file, not a folder"):
+        find_videos(tmp_path / "a.mp4")
     with pytest.raises(InputError, match="does not exist"):
         find_videos(tmp_path / "gone")
 
