@@ -82,7 +82,7 @@ class Capture:
         self._source = source
         self._fingerprint = fingerprint
         self.cache_bytes = cache_bytes  # bytes of decoded pictures
-        self._pictures = HeldPictures(source, self.cameras, cache_bytes)
+        self._pictures = HeldPictures(source, self.cameras, len(self.times), cache_bytes)
 
     @property
     def seconds(self) -> float:
@@ -114,7 +114,7 @@ class Capture:
         Raises:
             InputError: the folder cannot be read.
         """
-        self._pictures.keep_on_disk(folder, limit, self._fingerprint, frames=len(self.times))
+        self._pictures.keep_on_disk(folder, limit, self._fingerprint)
 
     def hold(self, cameras: Sequence[int], frames: Sequence[int], progress: ProgressCallback = silent) -> None:
         """Decode pictures ahead, on all cores, for `frame` to give in any order; nothing is done where they do not fit.

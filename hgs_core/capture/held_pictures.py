@@ -38,15 +38,17 @@ class FrameSource(Protocol):
 class HeldPictures:
     """Pictures of cameras, decoded when asked for or ahead; safe to use from several threads."""
 
-    def __init__(self, source: FrameSource, cameras: Sequence[Camera], memory: int) -> None:
-        """Hold nothing yet, and at most `memory` bytes."""
+    def __init__(self, source: FrameSource, cameras: Sequence[Camera], frames: int, memory: int) -> None:
+        """Hold nothing yet, and at most `memory` bytes of the pictures, `frames` of each camera."""
         self._source, self._cameras, self._memory = source, cameras, memory
         self._cache = FrameCache(memory)
         self._store: PictureStore | None = None
         self._locks = tuple(threading.Lock() for _ in cameras)
-        # Each camera may fill its share of the cache with frames that were decoded only on the way to another.
         self._sizes = [3 * camera.width * camera.height for camera in cameras]  # bytes
-        self._neighbours = max(0, memory // max(self._sizes) // len(cameras) - 1)
+        self._wanted = frames * sum(self._sizes)  # bytes
+        # Frames that were decoded only on the way to another are kept where all are; elsewhere they would only cost the
+        # time of making pictures of them, and the place of those that are wanted.
+        self._neighbours = frames if self._wanted <= memory else 0
 
     @property
     def bytes_in_memory(self) -> int:
@@ -61,15 +63,15 @@ class HeldPictures:
         """
         return self._memory * 4 // 5 if self._store is None else self._store.limit
 
-    def keep_on_disk(self, folder: Path, limit: int, fingerprint: str, *, frames: int) -> None:
+    def keep_on_disk(self, folder: Path, limit: int, fingerprint: str) -> None:
         """Hold at most `limit` bytes of pictures in a folder from now on, those of this fingerprint that it has too.
 
-        Nothing changes where all pictures, `frames` of each camera, fit in memory, or the folder may hold no more.
+        Nothing changes where all pictures fit in memory, or the folder may hold no more.
 
         Raises:
             InputError: the folder cannot be read.
         """
-        if self.room >= min(frames * sum(self._sizes), limit):
+        if self.room >= min(self._wanted, limit):
             return
         sizes = [(camera.width, camera.height) for camera in self._cameras]
         self._store = PictureStore(folder, limit, f"{fingerprint} {sizes} {software_version()}")

@@ -7,10 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from av import VideoFrame
 
 from hgs_core.base.errors import InputError
 from hgs_core.capture.capture import Capture
 from hgs_core.capture.open import open_capture
+from hgs_core.capture.pictures.video import VideoReader
 from hgs_core.scene.camera import Camera
 
 PICTURE = 64 * 48 * 3
@@ -97,18 +99,39 @@ def test_threads_share_one_video_capture(n3dv: Path) -> None:
     assert levels == [20 + 60 * camera + 10 * frame for camera, frame in wanted]
 
 
-def test_blocks_of_time_decode_each_frame_once(n3dv: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.fixture
+def converted(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """Decoded frames that became pictures, in order."""
+    found: list[int] = []
+    picture = VideoReader._picture
+
+    def counted(video: VideoReader, frame: VideoFrame) -> np.ndarray:
+        found.append(video._next)
+        return picture(video, frame)
+
+    monkeypatch.setattr(VideoReader, "_picture", counted)
+    return found
+
+
+def test_blocks_of_time_convert_each_frame_once(n3dv: Path, converted: list[int]) -> None:
     """The trainer visits a block of frames in all cameras in any order, then the next block."""
     capture = open_capture(n3dv, cache_bytes=2 * 3 * PICTURE)  # three frames of two cameras
-    converted = []
-    for video in capture._pictures._source._recording.readers:  # type: ignore[attr-defined]
-        picture = video._picture
-        monkeypatch.setattr(video, "_picture", lambda frame, picture=picture: (converted.append(1), picture(frame))[1])
     for block in ((2, 0, 1), (5, 3, 4)):
         for frame in block:
             for camera in (0, 1):
                 capture.frame(camera, frame)
     assert len(converted) == 12
+
+
+def test_frames_on_the_way_become_pictures_only_where_all_fit(n3dv: Path, converted: list[int]) -> None:
+    small = open_capture(n3dv, cache_bytes=2 * 3 * PICTURE)
+    converted.clear()
+    assert level(small.frame(0, 5)) == 70
+    assert len(converted) == 1
+    large = open_capture(n3dv, cache_bytes=2 * 6 * PICTURE)
+    converted.clear()
+    assert [level(large.frame(0, frame)) for frame in (5, 4)] == [70, 60]
+    assert converted == [5, 6]  # 4 on the way from a key frame, and 5
 
 
 def test_two_cameras_of_one_name_are_refused() -> None:
