@@ -43,7 +43,8 @@ def _seconds(report: Mapping[str, Any]) -> dict[str, float]:
     moving = profile.get(_MOVING, 0.0) / whole
     steps = sum(profile.get(name, 0.0) for name in _STEPS) / whole
     found |= {"steps": train * steps, "moving": train * moving, "rounds": train * (1 - steps - moving)}
-    return {part: found[part] for part in COSTS if part in found}
+    # A short training may have no time for a part: nothing is to be learnt of it there.
+    return {part: found[part] for part in COSTS if found.get(part)}
 
 
 def _memory(report: Mapping[str, Any]) -> dict[str, float]:
