@@ -285,7 +285,7 @@ def test_the_list_says_what_to_do_while_it_is_empty(browser: Browser, site: Site
         page.get_by_role("heading", name="No scenes yet").wait_for()
         assert not page.get_by_role("heading", name="Jobs", exact=True).is_visible()
         page.route("**/v1/captures", lambda route: route.fulfill(json=NO_CAPTURES))
-        page.get_by_role("link", name="Make the first scene").click()
+        page.get_by_role("link", name="Or choose a capture of the server").click()
         page.get_by_role("heading", name="No captures yet").wait_for()
 
 

@@ -15,3 +15,9 @@ export function pageAt(path: string): PageAddress {
   if (kind === "view") return { kind, scene: name };
   return kind === "job" ? { kind, job: name } : { kind: "unknown" };
 }
+
+/** The path and query of the form for a new scene, with a capture chosen. */
+export const newSceneOf = (capture: string): string => `new?capture=${encodeURIComponent(capture)}`;
+
+/** The capture that is chosen in such a query; "" for none. */
+export const captureOf = (query: string): string => new URLSearchParams(query).get("capture") ?? "";

@@ -3,10 +3,12 @@
 import { element, setText } from "../dom/element";
 import type { Scene } from "../protocol/api";
 import { siteUrl } from "../protocol/http";
+import { newSceneOf } from "./page_address";
 import type { SceneEvents } from "./scene_actions";
 import { SceneCards } from "./scene_cards";
 import { arrange, isOrder, ORDERS } from "./scene_order";
 import { emptyState } from "./shell";
+import { UploadPanel } from "./upload_panel";
 
 const FEW = 6; // scenes at a glance
 
@@ -36,7 +38,8 @@ export class SceneSection {
         { class: "hint" },
         "Turn videos of one moment, filmed from several sides, into a scene you can walk around in.",
       ),
-      element("a", { class: "button primary", href: siteUrl("new") }, "Make the first scene"),
+      new UploadPanel((path) => location.assign(siteUrl(newSceneOf(path)))).node,
+      element("a", { href: siteUrl("new") }, "Or choose a capture of the server"),
     );
     this.#none.hidden = true;
     this.node = element(

@@ -7,6 +7,7 @@ import { ApiError, type Capture, type CaptureList, listCaptures, submitJob, type
 import { siteUrl } from "../protocol/http";
 import { CheckPanel } from "./check_panel";
 import { choices, chosenIn, type Field, FormField, fieldOf, reasonOf } from "./form_field";
+import { captureOf } from "./page_address";
 import { SentCaptures } from "./sent_captures";
 import { emptyState, type Shell, showShell } from "./shell";
 import { UploadPanel } from "./upload_panel";
@@ -55,7 +56,7 @@ export function showSubmitPage(root: HTMLElement): void {
       shell.problem(error);
     }
   };
-  void show();
+  void show(captureOf(location.search));
 }
 
 /** The hint without captures. */

@@ -1,5 +1,5 @@
 import { expect, it } from "vitest";
-import { pageAt } from "../../src/console/page_address";
+import { captureOf, newSceneOf, pageAt } from "../../src/console/page_address";
 
 it.each(["/", "/index.html"])("lists the scenes at %s", (path) => {
   expect(pageAt(path)).toEqual({ kind: "list" });
@@ -30,4 +30,11 @@ it.each([
   "/scenes/a",
 ])("has nothing at %s", (path) => {
   expect(pageAt(path)).toEqual({ kind: "unknown" });
+});
+
+it("names a capture that is chosen in the form", () => {
+  const address = newSceneOf("/srv/captures/a b&c=d/é");
+  expect(pageAt(new URL(address, "http://x/").pathname)).toEqual({ kind: "new" });
+  expect(captureOf(new URL(address, "http://x/").search)).toBe("/srv/captures/a b&c=d/é");
+  expect(captureOf("")).toBe("");
 });
