@@ -34,6 +34,7 @@ from server.parts import Artifacts, Jobs
 from server.routes import (
     capture_checks,
     chunks,
+    edits,
     health,
     job_runs,
     jobs,
@@ -157,6 +158,7 @@ def create_app(
         job_runs,
         workers,
         scenes,
+        edits,
         chunks,
         stream,
     ):

@@ -14,8 +14,12 @@ import sqlalchemy as sa
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.storable_text import require_storable
+from hgs_core.runs.asked_edit import ask_edit, source_of_edit
+from jobs.artifacts.artifact_store import open_store
+from jobs.artifacts.scene_copy import copy_scene
 from jobs.home.database import create_engine, open_client, prepare_database
 from jobs.home.home import Home
+from jobs.queue.edit_request import EditRequest
 from jobs.queue.enqueue import enqueue, workflow_id
 from jobs.queue.job_request import MAX_PATH, MAX_TITLE, JobRequest, one_line, readable_id
 from jobs.records.announcements import Announcement, WebhookTable
@@ -101,16 +105,40 @@ class JobClient:
                 webhook=request.webhook,
                 audio=request.audio,
             )
-            self._runs.submitted(job_id)
-            # One transaction: a job is in the table if and only if it is in the queue.
-            with self._engine.begin() as connection:
-                self._table.insert(connection, job, (request.key, request.digest) if request.key else None)
-                self._enqueue(connection, job, job.attempt)
+            self._add(job, (request.key, request.digest) if request.key else None)
         except sa.exc.IntegrityError:
             self._forget(job_id)
             if earlier := self._earlier(request):  # asked for at the same moment
                 return earlier
             raise
+        except BaseException:
+            self._forget(job_id)
+            raise
+        return job_id
+
+    def edit(self, request: EditRequest) -> str:
+        """Copy a published scene into a run, queue its edit and return the job's id, which the new scene will have.
+
+        Raises:
+            KeyError: there is no such scene.
+            InputError: the scene is damaged.
+            OSError: the run folder cannot be written, for example because the disk is full.
+
+        Whatever is raised, nothing stays behind.
+        """
+        store = open_store(self.home)
+        entry = store.scene_entry(request.scene)
+        described = None if entry is None else store.describe(entry)
+        if described is None:
+            raise KeyError(request.scene)
+        title = request.title.strip() or store.title(request.scene) or described.title or request.scene
+        job_id = readable_id(title, "scene")
+        run = self.home.run(job_id)
+        try:
+            source = source_of_edit(run, request.scene)
+            copy_scene(store, request.scene, source, title)
+            config = ask_edit(run, request.scene, request.splats)
+            self._add(Job(id=job_id, title=title, capture=str(source), config=config.to_json()))
         except BaseException:
             self._forget(job_id)
             raise
@@ -224,6 +252,14 @@ class JobClient:
         self, kind: type[BaseException] | None, error: BaseException | None, where: TracebackType | None
     ) -> None:
         self.close()
+
+    def _add(self, job: Job, request: tuple[str, str] | None = None) -> None:
+        """Keep the run folder of a new job, and queue it."""
+        self._runs.submitted(job.id)
+        # One transaction: a job is in the table if and only if it is in the queue.
+        with self._engine.begin() as connection:
+            self._table.insert(connection, job, request)
+            self._enqueue(connection, job, job.attempt)
 
     def _forget(self, job_id: str) -> None:
         """Remove the run of a job that could not be queued."""

@@ -11,11 +11,14 @@ from typing import Any
 import pytest
 
 from hgs_core.base.errors import InputError
+from hgs_core.codec import load_manifest
 from hgs_core.runs.run_config import RunConfig
 from hgs_core.runs.run_folder import RunFolder
+from jobs.artifacts.artifact_store import open_store
 from jobs.home.home import Home
 from jobs.home.passing_faults import Cause
 from jobs.queue.client import JobClient, JobConflictError, KeyReusedError
+from jobs.queue.edit_request import EditRequest
 from jobs.queue.enqueue import enqueue, workflow_id
 from jobs.queue.job_request import JobRequest
 from jobs.records.job import JobState
@@ -194,3 +197,29 @@ def test_a_job_whose_last_process_still_saves_is_not_deleted(client: JobClient, 
     with RunFolder(client.home.run(job_id)).exclusive(), pytest.raises(JobConflictError, match="still saves"):
         client.delete(job_id)
     assert client.get(job_id) is not None
+
+
+def test_an_edit_is_queued_with_a_copy_of_its_scene(client: JobClient, scene: Path) -> None:
+    store = open_store(client.home)
+    store.put_scene(scene, "studio")
+    store.rename_scene("studio", "The studio")
+    job = client.get(client.edit(EditRequest("studio", b"a list")))
+    assert job is not None
+    assert (job.state, job.title, job.id.rpartition("-")[0]) == (JobState.QUEUED, "The studio", "the-studio")
+    run = client.home.run(job.id)
+    assert job.capture == str(run / "source" / "studio")
+    assert load_manifest(Path(job.capture)).title == "The studio"
+    assert (run / "splats.json").read_bytes() == b"a list"
+    assert RunFolder(run).read_spec().edited
+    assert client.get(client.edit(EditRequest("studio", b"", title="Clean"))).title == "Clean"  # type: ignore[union-attr]
+
+
+def test_an_edit_of_no_scene_leaves_nothing(client: JobClient, scene: Path) -> None:
+    with pytest.raises(KeyError, match="studio"):
+        client.edit(EditRequest("studio", b""))
+    store = open_store(client.home)
+    store.put_scene(scene, "studio")
+    store.remove_chunks([load_manifest(scene).static[0].id])
+    with pytest.raises(KeyError, match="studio"):
+        client.edit(EditRequest("studio", b""))
+    assert (client.list(), list(client.home.runs.iterdir())) == ([], [])
