@@ -14,11 +14,9 @@ import sqlalchemy as sa
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.storable_text import require_storable
-from hgs_core.runs.asked_edit import ask_edit, source_of_edit
-from jobs.artifacts.artifact_store import open_store
-from jobs.artifacts.scene_copy import copy_scene
 from jobs.home.database import create_engine, open_client, prepare_database
 from jobs.home.home import Home
+from jobs.queue.edit_job import make_edit_job
 from jobs.queue.edit_request import EditRequest
 from jobs.queue.enqueue import enqueue, workflow_id
 from jobs.queue.job_request import MAX_PATH, MAX_TITLE, JobRequest, one_line, readable_id
@@ -117,32 +115,17 @@ class JobClient:
         return job_id
 
     def edit(self, request: EditRequest) -> str:
-        """Copy a published scene into a run, queue its edit and return the job's id, which the new scene will have.
+        """Queue the edit of a published scene and return the job's id, which the new scene will have.
 
-        Raises:
-            KeyError: there is no such scene.
-            InputError: the scene is damaged.
-            OSError: the run folder cannot be written, for example because the disk is full.
-
-        Whatever is raised, nothing stays behind.
+        Raises, and leaves nothing behind, as `make_edit_job`.
         """
-        store = open_store(self.home)
-        entry = store.scene_entry(request.scene)
-        described = None if entry is None else store.describe(entry)
-        if described is None:
-            raise KeyError(request.scene)
-        title = request.title.strip() or store.title(request.scene) or described.title or request.scene
-        job_id = readable_id(title, "scene")
-        run = self.home.run(job_id)
+        job = make_edit_job(self.home, request)
         try:
-            source = source_of_edit(run, request.scene)
-            copy_scene(store, request.scene, source, title)
-            config = ask_edit(run, request.scene, request.splats)
-            self._add(Job(id=job_id, title=title, capture=str(source), config=config.to_json()))
+            self._add(job)
         except BaseException:
-            self._forget(job_id)
+            self._forget(job.id)
             raise
-        return job_id
+        return job.id
 
     def get(self, job_id: str) -> Job | None:
         """Return a job, or None if there is no such job. One indexed read: cheap enough to poll."""

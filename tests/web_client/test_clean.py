@@ -13,6 +13,7 @@ from benchmarks.viewers.browser import canvas_pixels
 from hgs_core.codec import decode_scene, encode_scene, load_manifest
 from hgs_core.edit.splat_list import SplatList
 from hgs_core.scene.camera import Camera, looking_at
+from hgs_core.scene.files import load_scene
 from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSplats
 from jobs.artifacts.artifact_store import ArtifactStore
 from tests.web_client.conftest import serving, site_of
@@ -83,7 +84,7 @@ def test_a_brush_selects_and_deletes_what_it_covers_and_steps_back(browser: Brow
         page.keyboard.press("Control+z")
         assert wait_for(page, "selected") == selected
         page.keyboard.press("Control+z")
-        page.locator(".clean-counts", has_text="Nothing is selected").wait_for()
+        page.locator(".clean-counts", has_text="Nothing is marked").wait_for()
         page.keyboard.press("Control+Shift+z")
         assert wait_for(page, "selected") == selected
         page.keyboard.press("Escape")
@@ -94,7 +95,7 @@ def test_a_saved_list_holds_the_splats_of_a_box_alone(browser: Browser, site: Si
     with viewing(browser, site, viewport=DESKTOP) as page:
         begin(page)
         page.get_by_label("Also what is hidden behind").check()
-        box(page, (30, 20), (480, 590))
+        box(page, (30, 100), (480, 460))
         selected = wait_for(page, "selected")
         page.get_by_role("button", name="Delete").click()
         assert wait_for(page, "deleted") == selected
@@ -106,16 +107,31 @@ def test_a_saved_list_holds_the_splats_of_a_box_alone(browser: Browser, site: Si
             keep[start + first : start + last + 1] = False
         start += chunk.splats
     camera = site.cameras[0]
-    x, y, depth = camera.rotation @ scene.static.means.T + camera.translation[:, None]
-    across, down = 3 * (camera.fx * x / depth + camera.cx), 3 * (camera.fy * y / depth + camera.cy)
-    inside = (across > 35) & (across < 475) & (down > 25) & (down < 585) & (depth > camera.near)
-    outside = (across < 25) | (across > 485) | (down < 15) | (down > 595)
+    pixels, depth = camera.project(scene.static.means)
+    across, down = 3 * pixels.T
+    inside = (across > 35) & (across < 475) & (down > 105) & (down < 455) & (depth > camera.near)
+    outside = (across < 25) | (across > 485) | (down < 95) | (down > 465)
     visible = 1 / (1 + np.exp(-scene.static.opacity_logits)) > 0.05
     assert inside.any()
     assert not keep[inside & visible].any()
     assert keep[outside].all()
     assert sum(last - first + 1 for ranges in found.chunks.values() for first, last in ranges) == selected
     assert any(chunk.id in found.chunks for piece in manifest.slices for chunk in piece.chunks)  # moving ones, too
+
+
+def test_strokes_in_quick_succession_all_count(browser: Browser, site: Site) -> None:
+    with viewing(browser, site, viewport=DESKTOP) as page:
+        begin(page)
+        for x in (300, 400, 500):
+            page.mouse.move(x, 150)
+            page.mouse.down()
+            page.mouse.move(x, 400, steps=2)
+            page.mouse.up()
+        undo = page.get_by_role("button", name="Undo")
+        for _ in range(3):
+            undo.click()
+        page.locator(".clean-counts", has_text="Nothing is marked").wait_for()
+        assert undo.is_disabled()
 
 
 def test_the_hidden_come_back_and_a_selection_is_taken_back(browser: Browser, site: Site) -> None:
@@ -134,7 +150,7 @@ def test_the_hidden_come_back_and_a_selection_is_taken_back(browser: Browser, si
             ".querySelector('.clean-counts').textContent.includes('selected')"
         )
         page.get_by_role("button", name="Show hidden").click()
-        page.locator(".clean-counts", has_text="Nothing is selected").wait_for()
+        page.locator(".clean-counts", has_text="Nothing is marked").wait_for()
         assert page.get_by_role("button", name="Apply").is_disabled()
 
 
@@ -146,7 +162,7 @@ def test_a_finger_draws_and_the_camera_stays(browser: Browser, site: Site) -> No
         page.get_by_role("button", name="Look").tap()
         page.get_by_role("button", name="Brush").tap()
         devices = page.context.new_cdp_session(page)
-        for kind, x in (("touchStart", 180), ("touchMove", 195), ("touchMove", 210), ("touchEnd", None)):
+        for kind, x in (("touchStart", 80), ("touchMove", 180), ("touchMove", 320), ("touchEnd", None)):
             points = [] if x is None else [{"x": x, "y": 250}]
             devices.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
         wait_for(page, "selected")
@@ -196,7 +212,7 @@ def test_apply_makes_a_new_scene_without_the_deleted_splats(browser: Browser, tm
             assert page.title() == "Studio · HGS"
         store = ArtifactStore((home / "store").as_uri())
         assert {entry.id for entry in store.list_scenes()} == {"studio", made}
-    left = decode_scene(home / "runs" / made / "scene").static.means
+    left = load_scene(home / "runs" / made / "scene.npz").static.means
     assert deleted < 20  # the wall behind the floater is not seen, but for its rim
     assert left[:, 2].min() > -1.0
     assert len(left) == count - deleted

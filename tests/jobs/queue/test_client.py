@@ -11,7 +11,6 @@ from typing import Any
 import pytest
 
 from hgs_core.base.errors import InputError
-from hgs_core.codec import load_manifest
 from hgs_core.runs.run_config import RunConfig
 from hgs_core.runs.run_folder import RunFolder
 from jobs.artifacts.artifact_store import open_store
@@ -199,27 +198,12 @@ def test_a_job_whose_last_process_still_saves_is_not_deleted(client: JobClient, 
     assert client.get(job_id) is not None
 
 
-def test_an_edit_is_queued_with_a_copy_of_its_scene(client: JobClient, scene: Path) -> None:
-    store = open_store(client.home)
-    store.put_scene(scene, "studio")
-    store.rename_scene("studio", "The studio")
-    job = client.get(client.edit(EditRequest("studio", b"a list")))
-    assert job is not None
-    assert (job.state, job.title, job.id.rpartition("-")[0]) == (JobState.QUEUED, "The studio", "the-studio")
-    run = client.home.run(job.id)
-    assert job.capture == str(run / "source" / "studio")
-    assert load_manifest(Path(job.capture)).title == "The studio"
-    assert (run / "splats.json").read_bytes() == b"a list"
-    assert RunFolder(run).read_spec().edited
-    assert client.get(client.edit(EditRequest("studio", b"", title="Clean"))).title == "Clean"  # type: ignore[union-attr]
-
-
-def test_an_edit_of_no_scene_leaves_nothing(client: JobClient, scene: Path) -> None:
-    with pytest.raises(KeyError, match="studio"):
-        client.edit(EditRequest("studio", b""))
-    store = open_store(client.home)
-    store.put_scene(scene, "studio")
-    store.remove_chunks([load_manifest(scene).static[0].id])
+def test_an_edit_is_queued_and_one_of_no_scene_leaves_nothing(client: JobClient, scene: Path) -> None:
     with pytest.raises(KeyError, match="studio"):
         client.edit(EditRequest("studio", b""))
     assert (client.list(), list(client.home.runs.iterdir())) == ([], [])
+    open_store(client.home).put_scene(scene, "studio")
+    job = client.get(client.edit(EditRequest("studio", b"a list")))
+    assert job is not None
+    assert (job.state, job.title) == (JobState.QUEUED, "Scene")
+    assert client.ahead_of(job) == 0

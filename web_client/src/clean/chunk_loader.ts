@@ -16,15 +16,13 @@ export class ChunkLoader {
   readonly #worker: SceneWorker;
   readonly #waiting = new Map<string, Waiting>();
   readonly #chunks = new Map<string, Promise<ChunkSplats>>();
-  readonly #sizes: ReadonlyMap<string, number>;
+  #sizes: ReadonlyMap<string, number> = new Map();
   readonly #gone = new AbortController();
 
   constructor(
     readonly manifest: Manifest,
     readonly scene: SceneCanvas,
   ) {
-    const entries = [...manifest.static, ...manifest.slices.flatMap(({ chunks }) => chunks)];
-    this.#sizes = new Map(entries.map(({ id, splats }) => [id, splats]));
     this.#worker = new SceneWorker({
       decoded: (splats) => this.#answer(splats.id, ({ resolve }) => resolve(splats)),
       damaged: (id, message) => this.#answer(id, ({ reject }) => reject(new Error(message))),
@@ -40,6 +38,10 @@ export class ChunkLoader {
 
   /** Number of a chunk's splats; 0 for an unknown chunk. */
   sizeOf(id: string): number {
+    if (!this.#sizes.has(id)) {
+      const entries = [...this.manifest.static, ...this.manifest.slices.flatMap(({ chunks }) => chunks)];
+      this.#sizes = new Map(entries.map((entry) => [entry.id, entry.splats])); // the scene may have grown
+    }
     return this.#sizes.get(id) ?? 0;
   }
 

@@ -1,4 +1,4 @@
-/** The panel of the cleaning tool: what a hand does, the marked splats, and the start of the edit. */
+/** The panel of the cleaning tool: the hand, the numbers of marked splats, and the start of the edit. */
 
 import { element, icon, setText } from "../dom/element";
 import { CLOSE } from "../dom/icons";
@@ -136,7 +136,7 @@ export class CleanPanel {
       [deleted, "deleted"],
     ] as const;
     const text = parts.flatMap(([count, what]) => (count > 0 ? `${count.toLocaleString("en")} ${what}` : []));
-    setText(this.#counts, busy ? "Looking …" : text.join(" · ") || "Nothing is selected");
+    setText(this.#counts, busy ? "Looking …" : text.join(" · ") || "Nothing is marked");
     this.#deselect.disabled = this.#hide.disabled = this.#remove.disabled = selected === 0;
     this.#show.disabled = hidden === 0;
     this.#undo.disabled = !canUndo;

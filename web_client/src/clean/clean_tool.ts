@@ -1,4 +1,4 @@
-/** The cleaning tool: splats are selected by what is seen, hidden and deleted; the result is a list for `hgs edit`. */
+/** The cleaning tool: visible splats are selected, hidden and deleted; the result is a list for `hgs edit`. */
 
 import { resized } from "../camera/pinhole";
 import { element } from "../dom/element";
@@ -31,7 +31,8 @@ export class CleanTool {
   readonly #strokes: HandStrokes;
   #session: Session | null = null;
   #hand: Hand = "brush";
-  #busy = false;
+  #areas = 0; // areas that are not selected yet
+  #last: Promise<void> = Promise.resolve(); // end of the last area's selection
   #course: EditCourse | null = null;
 
   /**
@@ -57,7 +58,7 @@ export class CleanTool {
       },
       middle: () => {
         const { width, height } = root.getBoundingClientRect();
-        void this.#select(strokeArea([[width / 2, height / 2]], this.#panel.radius));
+        this.#take(strokeArea([[width / 2, height / 2]], this.#panel.radius));
       },
       deselect: change(SELECTED, (mark) => mark & ~SELECTED),
       hide: change(SELECTED, (mark) => (mark & ~SELECTED) | HIDDEN),
@@ -73,7 +74,7 @@ export class CleanTool {
       hand: () => (this.active ? this.#hand : "look"),
       radius: () => this.#panel.radius,
       begun: () => player.pause(),
-      drawn: (area) => void this.#select(area),
+      drawn: (area) => this.#take(area),
     });
     player.addEventListener("loadstart", () => this.#forget(), { signal });
     player.addEventListener("frame", () => this.active && this.#session?.textures.update(), { signal });
@@ -125,28 +126,30 @@ export class CleanTool {
     this.#session = this.#course = null;
   }
 
-  /** Select what an area of the picture shows, CSS pixels, or take it from the selection. */
-  async #select(area: Area): Promise<void> {
-    const { player } = this;
+  /** Select the splats seen in an area, CSS pixels, or take them from the selection; one area after the other. */
+  #take(area: Area): void {
     const session = this.#session;
-    const shot = player.scene?.shot;
-    if (!session || !shot || this.#busy) return;
+    const shot = this.player.scene?.shot;
+    if (!session || !shot) return;
     const { takes, through } = this.#panel;
     const { width, height } = this.root.getBoundingClientRect();
-    this.#busy = true;
-    this.#show();
-    try {
-      const { marks, loader } = session;
-      const chunks = await loader.shownAt(player.currentTime, (id) => marks.of(id) !== undefined);
+    const camera = resized(shot.camera, width, height);
+    const time = this.player.currentTime;
+    const select = async ({ marks, loader }: Session): Promise<void> => {
       const of = (id: string) => marks.of(id);
-      const seen = seenSplats(chunks, shot, resized(shot.camera, width, height), area, of, through);
+      const chunks = await loader.shownAt(time, (id) => of(id) !== undefined);
+      const seen = seenSplats(chunks, shot, camera, area, of, through);
       if (this.#session === session) marks.change(seen, (mark) => (takes ? mark & ~SELECTED : mark | SELECTED));
-    } catch (error) {
-      this.#fail((error as Error).message);
-    } finally {
-      this.#busy = false;
-      this.#show();
-    }
+    };
+    this.#areas++;
+    this.#show();
+    this.#last = this.#last
+      .then(() => select(session))
+      .catch(({ message }: Error) => this.#fail(message))
+      .finally(() => {
+        this.#areas--;
+        this.#show();
+      });
   }
 
   #fail(text: string): void {
@@ -183,7 +186,7 @@ export class CleanTool {
       deleted: marks.count(DELETED),
       canUndo: marks.canUndo,
       canRedo: marks.canRedo,
-      busy: this.#busy,
+      busy: this.#areas > 0,
       course: this.#course,
     });
   }

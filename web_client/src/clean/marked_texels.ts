@@ -8,7 +8,7 @@ import { DELETED, HIDDEN, SELECTED, type SplatMarks } from "./splat_marks";
 
 /** Colour of selected splats, sRGB, and its share. */
 const TINT = [1, 0.16, 0.5] as const;
-const SHARE = 0.65;
+const SHARE = 0.75;
 
 /** A chunk's texels with the marks in them. */
 export function markedTexels({ kind, texels, count }: ChunkSplats, marks: Uint8Array): Float32Array {
@@ -30,7 +30,7 @@ export class MarkedTextures {
   readonly #statics: StaticPlacement;
   /** Chunks that are being written or are to be written once more. */
   readonly #late = new Set<string>();
-  #version = -1; // of the player's chunks, when the marks were last written
+  #version = -1; // version of the player's chunks at the last write
 
   constructor(
     readonly scene: SceneCanvas,

@@ -100,7 +100,7 @@ class Light {
     return this.#cells[line * this.#width + column];
   }
 
-  /** Take away what a projected splat holds back. */
+  /** Take away the light held back by a projected splat. */
   dim(numbers: Float32Array, from: number): void {
     const [, x, y, a, b, c, opacity, across, down] = numbers.subarray(from, from + NUMBERS);
     const [left, top] = this.box;

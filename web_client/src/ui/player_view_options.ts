@@ -16,7 +16,7 @@ export interface PageTools {
   readonly crop: LoadTool;
   /** Key frames of a camera path. */
   readonly path: LoadTool;
-  /** The cleaning tool; undefined for visitors who may edit nothing. */
+  /** The cleaning tool; undefined for visitors without the right to edit. */
   readonly clean?: LoadTool;
 }
 
