@@ -1,4 +1,4 @@
-"""Splats selected by what is seen, deleted, and left out of a new scene by a job."""
+"""Visible splats selected, deleted, and left out of a new scene by a job."""
 
 from __future__ import annotations
 
@@ -137,11 +137,11 @@ def test_strokes_in_quick_succession_all_count(browser: Browser, site: Site) -> 
 def test_the_hidden_come_back_and_a_selection_is_taken_back(browser: Browser, site: Site) -> None:
     with viewing(browser, site, viewport=DESKTOP) as page:
         begin(page)
-        page.get_by_role("button", name="At the middle").press("Enter")  # without a pointer
+        page.get_by_role("button", name="At the middle").press("Enter")  # no pointer
         selected = wait_for(page, "selected")
         page.get_by_role("button", name="Hide", exact=True).click()
         assert wait_for(page, "hidden") == selected
-        page.get_by_role("button", name="At the middle").click()  # what stood behind
+        page.get_by_role("button", name="At the middle").click()  # splats behind the hidden ones
         wait_for(page, "selected")
         page.get_by_label("Deselect instead").check()
         page.get_by_role("button", name="At the middle").click()
