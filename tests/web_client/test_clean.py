@@ -87,7 +87,9 @@ def test_a_brush_selects_and_deletes_what_it_covers_and_steps_back(browser: Brow
         page.locator(".clean-counts", has_text="Nothing is marked").wait_for()
         page.keyboard.press("Control+Shift+z")
         assert wait_for(page, "selected") == selected
+        assert "crosshair" in page.locator(".stage").evaluate("(stage) => getComputedStyle(stage).cursor")
         page.keyboard.press("Escape")
+        assert "crosshair" not in page.locator(".stage").evaluate("(stage) => getComputedStyle(stage).cursor")
         page.wait_for_function(f"() => ({REDDER})(40).then((red) => !red)")  # the scene as it is
 
 

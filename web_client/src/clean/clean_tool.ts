@@ -89,8 +89,7 @@ export class CleanTool {
 
   toggle(): void {
     if (this.active) {
-      this.#panel.node.remove();
-      this.#strokes.node.remove();
+      this.#leave();
       this.#session?.textures.clear();
       this.root.querySelector<HTMLElement>(".stage")?.focus({ preventScroll: true });
       return;
@@ -119,9 +118,15 @@ export class CleanTool {
     return { loader, marks, textures };
   }
 
+  #leave(): void {
+    this.#panel.node.remove();
+    this.#strokes.node.remove();
+    this.#show();
+  }
+
   /** Forget all marks: another scene has other splats. */
   #forget(): void {
-    if (this.active) this.toggle();
+    this.#leave();
     this.#session?.loader.dispose();
     this.#session = this.#course = null;
   }
@@ -176,9 +181,9 @@ export class CleanTool {
   }
 
   #show(): void {
+    this.root.classList.toggle("cleaning", this.active && this.#hand !== "look");
     const marks = this.#session?.marks;
     if (!marks) return;
-    this.root.classList.toggle("cleaning", this.active && this.#hand !== "look");
     this.#panel.show({
       hand: this.#hand,
       selected: marks.count(SELECTED, HIDDEN | DELETED),
@@ -196,10 +201,13 @@ export class CleanTool {
     const marks = this.#session?.marks;
     const key = event.key.toLowerCase();
     const control = event.ctrlKey || event.metaKey;
+    if (key === "escape" && this.root.querySelector("dialog[open], .menu:not([hidden])")) return;
+    const remove = () => marks?.change(marks.places(SELECTED), deleted);
     const action = {
       z: control && (() => (event.shiftKey ? marks?.redo() : marks?.undo())),
       y: control && (() => marks?.redo()),
-      delete: () => marks?.change(marks.places(SELECTED), deleted),
+      delete: remove,
+      backspace: remove,
       escape: () => this.toggle(),
     }[key];
     if (!action) return;
