@@ -27,7 +27,8 @@ def source_of_edit(run: Path, scene_id: str) -> Path:
 
 def ask_edit(run: Path, scene_id: str, splats: bytes) -> RunConfig:
     """Write run.json for an edit of the copied scene, without the listed `splats`, which nobody has read yet."""
-    folder, config = RunFolder(run), RunConfig.from_json({"preset": "imported"})
+    # A scene is encoded anew with every edit: losses add up, so that each must be small.
+    folder, config = RunFolder(run), RunConfig.from_json({"preset": "imported", "encode": {"budget": "high"}})
     write_bytes(run / _SPLATS, splats)
     folder.replace_spec(RunSpec(source_of_edit(run, scene_id), "", config, without_capture=True, edited=True))
     return config
@@ -40,16 +41,17 @@ def make_edit(run: Path, progress: ProgressCallback) -> None:
         InputError: the list is malformed or of another scene, or nothing is left.
     """
     from hgs_core.edit.splat_list import SplatList
-    from hgs_core.runs.edited import edit_run
 
     folder, made = RunFolder(run), RunFolder(run / _MADE)
     if folder.train_summary.exists():
         return
-    spec = folder.read_spec()
+    spec, splats = folder.read_spec(), SplatList.load(run / _SPLATS)
+    from hgs_core.runs.edited import edit_run  # loads torch, in vain for a bad list
+
     source = source_of_edit(run, spec.capture.name)  # the run may have come from another machine
     for left in (made.path, folder.scene):
         shutil.rmtree(left, ignore_errors=True)
-    edit_run(source, made.path, [], progress, spec.config.encode.budget, SplatList.load(run / _SPLATS))
+    edit_run(source, made.path, [], progress, spec.config.encode.budget, splats)
     folder.replace_spec(made.read_spec())
     for name in (made.trained.name, made.views.name, made.scene.name, made.train_summary.name):
         (made.path / name).replace(run / name)

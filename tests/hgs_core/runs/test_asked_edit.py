@@ -46,6 +46,7 @@ def test_the_stages_of_a_job_make_the_edited_scene(run: Path) -> None:
     np.testing.assert_array_equal(after.segments[0].dynamic.motion, before.segments[0].dynamic.motion[1:])
     np.testing.assert_array_equal(after.static.means, before.static.means)
     assert after.antialiased
+    assert RunFolder(run).read_spec().config.encode.budget == "high"
     assert load_manifest(run / "scene").title == "New"
     assert sorted(path.name for path in source_of_edit(run, "studio").iterdir()) == ["manifest.json"]
 
