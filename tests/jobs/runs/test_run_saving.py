@@ -170,3 +170,19 @@ def test_a_shared_home_needs_none_of_it(tmp_path: Path) -> None:
     asyncio.run(stage())
     saving.complete(ATTEMPT)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_the_scene_of_an_edit_comes_with_its_run(
+    saving: RunSaving, home: Home, store: ObjectStore, tmp_path: Path
+) -> None:
+    source = tmp_path / "submitted" / "source" / "studio"  # on the machine that took the request
+    source.mkdir(parents=True)
+    (source / "manifest.json").write_text("{}")
+    spec = {"capture": str(source), "edited": True}
+    (tmp_path / "submitted" / "run.json").write_text(json.dumps(spec))
+    RunState(StoredRun(store, "runs/e"), tmp_path / "submitted", 0).create()
+    saving.begin(("e", 1), 1)
+    assert asyncio.run(saving.claim(("e", 1))) == Done()
+    here = saving.capture("e", source)
+    assert here == home.run("e") / "source" / "studio"
+    assert (here / "manifest.json").is_file()
