@@ -175,7 +175,7 @@ def test_a_shared_home_needs_none_of_it(tmp_path: Path) -> None:
 def test_the_scene_of_an_edit_comes_with_its_run(
     saving: RunSaving, home: Home, store: ObjectStore, tmp_path: Path
 ) -> None:
-    source = tmp_path / "submitted" / "source" / "studio"  # on the machine that took the request
+    source = tmp_path / "submitted" / "source" / "studio"  # another machine
     source.mkdir(parents=True)
     (source / "manifest.json").write_text("{}")
     spec = {"capture": str(source), "edited": True}
