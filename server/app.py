@@ -35,6 +35,7 @@ from server.parts import Artifacts, Jobs
 from server.routes import (
     capture_checks,
     chunks,
+    edits,
     health,
     job_runs,
     jobs,
@@ -162,6 +163,7 @@ def create_app(
         job_runs,
         workers,
         scenes,
+        edits,
         chunks,
         stream,
     ):

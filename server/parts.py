@@ -10,6 +10,7 @@ from typing import Protocol
 from hgs_core.codec.format.paging import PagedScene
 from jobs.artifacts.artifact_store import SceneEntry
 from jobs.artifacts.scene_description import SceneDescription
+from jobs.queue.edit_request import EditRequest
 from jobs.queue.job_request import JobRequest
 from jobs.records.announcements import Announcement
 from jobs.records.job import Job, JobState, Place
@@ -23,6 +24,7 @@ class Jobs(Protocol):
     """The part of `jobs.queue.client.JobClient` that the API uses."""
 
     def submit(self, request: JobRequest) -> str: ...
+    def edit(self, request: EditRequest) -> str: ...
     def get(self, job_id: str) -> Job | None: ...
     def many(self, job_ids: Collection[str]) -> dict[str, Job]: ...
     def list(

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import dataclasses
 import hashlib
 import json
 import secrets
 import shutil
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +18,9 @@ import numpy as np
 from hgs_core.base.atomic import write_bytes
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import ProgressCallback
-from hgs_core.codec import Manifest, load_manifest
+from hgs_core.codec import Manifest, decode_scene, load_manifest
 from hgs_core.codec.format.scene_folder import MANIFEST, read_audio
+from hgs_core.edit.splat_list import SplatList, drop_listed
 from hgs_core.edit.viewed_scene import Edit, ViewedScene
 from hgs_core.interchange.changes import Action, Change, nonzero
 from hgs_core.runs.encoding import encode
@@ -25,7 +28,7 @@ from hgs_core.runs.kept_views import KeptViews
 from hgs_core.runs.run_config import RunConfig
 from hgs_core.runs.run_folder import RunFolder, RunSpec
 from hgs_core.runs.sound import write_sound
-from hgs_core.runs.source import open_source
+from hgs_core.runs.source import encoded_scene, open_source
 from hgs_core.scene.files import save_scene
 
 __all__ = ["EditableScene", "EditedRun", "edit_run", "open_editable"]
@@ -83,11 +86,17 @@ def _as_encoded(manifest: Manifest, scene: Any) -> ViewedScene:
 
 
 def edit_run(
-    source: Path, out: Path, steps: Sequence[Callable[[ViewedScene], Edit]], progress: ProgressCallback, budget: str
+    source: Path,
+    out: Path,
+    steps: Sequence[Callable[[ViewedScene], Edit]],
+    progress: ProgressCallback,
+    budget: str,
+    splats: SplatList | None = None,
 ) -> EditedRun:
     """Make a new run of another, or of an encoded scene, with the scene changed by all `steps` in order.
 
-    The run appears whole or not at all; `source` is only read. `budget` is what encoding may lose.
+    The run appears whole or not at all; `source` is only read. `budget` is what encoding may lose. `splats` go first;
+    then the encoded scene is edited, also of a run, because lists name its splats.
 
     Raises:
         InputError: the source cannot be edited, a step refuses it, nothing is left, or `out` is there already.
@@ -96,6 +105,10 @@ def edit_run(
         raise InputError(out, "exists", "choose a new or empty folder for --out")
     given = open_editable(source)
     viewed, changes = given.viewed, list[Change]()
+    if splats is not None:
+        encoded = encoded_scene(source)
+        viewed = dataclasses.replace(viewed, scene=decode_scene(encoded))
+        steps = [partial(_without, splats, load_manifest(encoded)), *steps]
     before = len(viewed.scene.static) + viewed.scene.dynamic_splats
     for step in steps:
         edit = step(viewed)
@@ -118,6 +131,14 @@ def edit_run(
         shutil.rmtree(temporary, ignore_errors=True)
     missed = Change(Action.LEFT_OUT, "splats", left - kept, left, "no picture misses them")
     return EditedRun(before, kept, nonzero((*changes, missed)))
+
+
+def _without(splats: SplatList, manifest: Manifest, viewed: ViewedScene) -> Edit:
+    """Leave out listed splats of the decoded scene of a manifest."""
+    segments: list[list[tuple[str, int]]] = [[] for _ in manifest.segments]
+    for piece in manifest.slices:
+        segments[piece.segment] += [(chunk.id, chunk.splats) for chunk in piece.chunks]
+    return drop_listed(viewed, splats, [(chunk.id, chunk.splats) for chunk in manifest.static], segments)
 
 
 def _carry_sound(source: Path, scene: Path, begins: float) -> None:

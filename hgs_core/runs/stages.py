@@ -18,6 +18,7 @@ from hgs_core.base.heap import trim_heap
 from hgs_core.base.progress import ProgressCallback, interruptible, silent
 from hgs_core.capture.capture import Capture
 from hgs_core.check.findings import CaptureCheck
+from hgs_core.runs.asked_edit import make_edit
 from hgs_core.runs.creation import create_run, prepare
 from hgs_core.runs.encoding import encode
 from hgs_core.runs.require_room import require_room
@@ -73,7 +74,7 @@ def check(run: Path, progress: ProgressCallback) -> None:
 def initialise(run: Path, progress: ProgressCallback) -> None:
     """Find motion masks and first points, of which a segment's are kept if they are there.
 
-    The capture is checked first; the last file is points/near.json.
+    The capture is checked first; the last file is points/near.json. Of a scene to be edited, make the edit instead.
     """
     from hgs_core.decompose.masks import kept_masks
     from hgs_core.points.far_apart import angle_to_next, stand_far_apart
@@ -85,6 +86,9 @@ def initialise(run: Path, progress: ProgressCallback) -> None:
 
     folder = RunFolder(run)
     if folder.near_planes.exists():
+        return
+    if folder.read_spec().edited:
+        make_edit(run, progress)
         return
     check(run, progress)
     capture, config = _open(folder)

@@ -16,6 +16,8 @@ from hgs_core.base.errors import InputError
 from hgs_core.base.storable_text import require_storable
 from jobs.home.database import create_engine, open_client, prepare_database
 from jobs.home.home import Home
+from jobs.queue.edit_job import make_edit_job
+from jobs.queue.edit_request import EditRequest
 from jobs.queue.enqueue import enqueue, workflow_id
 from jobs.queue.job_request import MAX_PATH, MAX_TITLE, JobRequest, one_line, readable_id
 from jobs.records.announcements import Announcement, WebhookTable
@@ -101,11 +103,7 @@ class JobClient:
                 webhook=request.webhook,
                 audio=request.audio,
             )
-            self._runs.submitted(job_id)
-            # One transaction: a job is in the table if and only if it is in the queue.
-            with self._engine.begin() as connection:
-                self._table.insert(connection, job, (request.key, request.digest) if request.key else None)
-                self._enqueue(connection, job, job.attempt)
+            self._add(job, (request.key, request.digest) if request.key else None)
         except sa.exc.IntegrityError:
             self._forget(job_id)
             if earlier := self._earlier(request):  # asked for at the same moment
@@ -115,6 +113,19 @@ class JobClient:
             self._forget(job_id)
             raise
         return job_id
+
+    def edit(self, request: EditRequest) -> str:
+        """Queue the edit of a published scene and return the job's id, which the new scene will have.
+
+        Raises, and leaves nothing behind, as `make_edit_job`.
+        """
+        job = make_edit_job(self.home, request)
+        try:
+            self._add(job)
+        except BaseException:
+            self._forget(job.id)
+            raise
+        return job.id
 
     def get(self, job_id: str) -> Job | None:
         """Return a job, or None if there is no such job. One indexed read: cheap enough to poll."""
@@ -224,6 +235,14 @@ class JobClient:
         self, kind: type[BaseException] | None, error: BaseException | None, where: TracebackType | None
     ) -> None:
         self.close()
+
+    def _add(self, job: Job, request: tuple[str, str] | None = None) -> None:
+        """Keep the run folder of a new job, and queue it."""
+        self._runs.submitted(job.id)
+        # One transaction: a job is in the table if and only if it is in the queue.
+        with self._engine.begin() as connection:
+            self._table.insert(connection, job, request)
+            self._enqueue(connection, job, job.attempt)
 
     def _forget(self, job_id: str) -> None:
         """Remove the run of a job that could not be queued."""

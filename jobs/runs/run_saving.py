@@ -101,7 +101,8 @@ class RunSaving:
             stored = StoredRun(self._store, run_prefix(attempt[0]))
             head = stored.head()
             spec = json.loads(b"{}" if head is None else stored.read(head.files["run.json"]))
-            return None if is_upload(spec["capture"]) else Path(spec["capture"])
+            is_fetched = spec.get("edited") or is_upload(spec["capture"])
+            return None if is_fetched else Path(spec["capture"])
         except Exception as error:  # the claim will say more
             log.info("the capture of %s is not known yet: %s", attempt[0], one_line(error))
             return None

@@ -21,6 +21,7 @@ from collections.abc import Iterator
 from pathlib import Path, PurePosixPath
 
 from hgs_core.base.errors import InputError
+from hgs_core.runs.asked_edit import source_of_edit
 from jobs.home.home import Home
 from jobs.home.object_store import open_object_store
 from jobs.runs.capture_places import Translation
@@ -39,10 +40,15 @@ def is_upload(capture: str) -> bool:
 
 
 def capture_of(run: Path) -> Path | None:
-    """Return where this machine has the capture of a run folder; None where run.json does not tell, or is not there."""
+    """Return where this machine has the capture of a run folder; None where run.json does not tell, or is not there.
+
+    A run that edits a scene has its copy in its own folder.
+    """
     try:
-        return Path(json.loads((run / "run.json").read_text())["capture"])
-    except (OSError, ValueError, KeyError, TypeError):
+        spec = json.loads((run / "run.json").read_text())
+        capture = Path(spec["capture"])
+        return source_of_edit(run, capture.name) if spec.get("edited") else capture
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return None
 
 

@@ -30,6 +30,7 @@ _RULES: tuple[tuple[frozenset[str] | None, re.Pattern[str], Scope | None], ...] 
     (frozenset({"WEBSOCKET"}), re.compile(rf"/v1/scenes/{_SCENE}/stream"), Scope.VIEW),
     (frozenset({"PATCH", "DELETE"}), re.compile(rf"/v1/scenes/{_SCENE}"), Scope.PUBLISH),
     (frozenset({"POST"}), re.compile(r"/v1/links"), Scope.PUBLISH),
+    (frozenset({"POST"}), re.compile(rf"/v1/scenes/{_SCENE}/edits"), Scope.SUBMIT),
     (None, re.compile(r"/v1/(?:jobs|submissions|captures|uploads|workers)(?:/.*)?"), Scope.SUBMIT),
 )
 

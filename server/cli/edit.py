@@ -17,6 +17,7 @@ from hgs_core.edit.crop import crop
 from hgs_core.edit.floaters import drop_floaters
 from hgs_core.edit.orient import Similarity, orient, turn_about, turn_up
 from hgs_core.edit.regions import Region, ball_of, box_of
+from hgs_core.edit.splat_list import SplatList
 from hgs_core.edit.trim import trim
 from hgs_core.edit.viewed_scene import Edit, ViewedScene
 from hgs_core.fit.fit_config import BUDGETS
@@ -34,12 +35,13 @@ def add_parser(commands: Any) -> None:
     parser: argparse.ArgumentParser = commands.add_parser(
         "edit",
         help="crop, trim, turn, clean or merge scenes",
-        description="Make a new run of another: trimmed, cropped, without floaters, turned, merged, in this order. The "
-        "first run stays as it is. Write numbers with =, as in --box=0,-1,0,2,2,2.",
+        description="Make a new run of another: without listed splats, trimmed, cropped, without floaters, turned, "
+        "merged, in this order. The first run stays as it is. Write numbers with =, as in --box=0,-1,0,2,2,2.",
     )
     add = parser.add_argument
     add("source", metavar="RUN|SCENE", type=Path, help="folder of a run, or of an encoded scene")
     add("--out", metavar="NEW", type=Path, required=True, help="new folder of the edited run")
+    add("--splats", metavar="FILE", type=Path, help="leave out the splats of a list, made on the scene's page")
     add("--trim", metavar="START,END", help="seconds of the scene's clock; START becomes 0")
     add("--box", metavar="X,Y,Z,W,H,D[,QW,QX,QY,QZ]", help="keep what is inside: its middle, whole sides and turn")
     add("--sphere", metavar="X,Y,Z,R", help="keep what is inside: its middle and radius")
@@ -60,11 +62,12 @@ def add_parser(commands: Any) -> None:
 def _run(options: argparse.Namespace) -> int:
     output = JsonOutput(options.json)
     steps = _steps(options)
+    splats = None if options.splats is None else SplatList.load(options.splats)
     require_writable_folder(options.out)
     from hgs_core.runs.edited import edit_run
 
     with ProgressBars() as bars:
-        edited = edit_run(options.source, options.out, steps, bars, options.budget)
+        edited = edit_run(options.source, options.out, steps, bars, options.budget, splats)
     for change in edited.changes:
         print(f"{options.source}: {change}", file=sys.stderr)
     output.show({"run": str(options.out), **edited.to_json()}, str(options.out))
@@ -97,7 +100,7 @@ def _steps(options: argparse.Namespace) -> list[Step]:
         steps.append(functools.partial(_merge, options.merge, at))
     elif options.at is not None:
         raise InputError("--at", "needs --merge", "name the other scene, or leave it out")
-    if not steps:
+    if not steps and options.splats is None:
         raise InputError("hgs edit", "has nothing to do", "see hgs edit --help")
     return steps
 

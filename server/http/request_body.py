@@ -12,7 +12,7 @@ from pydantic import BaseModel, ValidationError
 from hgs_core.base.storable_text import is_storable
 from server.http.problems import ProblemError
 
-__all__ = ["MAX_BODY_BYTES", "read_json"]
+__all__ = ["MAX_BODY_BYTES", "read_bytes", "read_json"]
 
 MAX_BODY_BYTES = 64 << 10
 _WHOLE_DIGITS = 19  # digits of the largest 64-bit integers
@@ -30,12 +30,8 @@ async def read_json(request: Request, model: type[Model], *, bounded: str = "") 
         ProblemError: 413 too large, 415 or 400 not JSON, 422 a bad field; also NaN, infinities, NUL and half
             surrogate pairs, anywhere.
     """
-    # Requiring this type also stops other sites' forms, which cannot send it without a preflight.
-    media_type = request.headers.get("Content-Type", "").partition(";")[0].strip().lower()
-    if media_type != "application/json":
-        raise ProblemError(415, "body-not-json", f"Content-Type is {media_type or 'missing'}; send application/json")
     try:
-        value = json.loads(await _read(request), parse_int=_whole_number)
+        value = json.loads(await read_bytes(request), parse_int=_whole_number)
     except (ValueError, RecursionError) as error:
         raise ProblemError(400, "body-not-json", f"the body is not JSON: {error}") from error
     _require_plain(value, bounded)
@@ -46,12 +42,21 @@ async def read_json(request: Request, model: type[Model], *, bounded: str = "") 
         raise _bad_field(".".join(str(part) for part in first["loc"]), first["msg"]) from error
 
 
-async def _read(request: Request) -> bytes:
+async def read_bytes(request: Request, most: int = MAX_BODY_BYTES) -> bytes:
+    """Read the body of a request that says that it is JSON, unparsed.
+
+    Raises:
+        ProblemError: 413 larger than `most` bytes, 415 of another type.
+    """
+    # Requiring this type also stops other sites' forms, which cannot send it without a preflight.
+    media_type = request.headers.get("Content-Type", "").partition(";")[0].strip().lower()
+    if media_type != "application/json":
+        raise ProblemError(415, "body-not-json", f"Content-Type is {media_type or 'missing'}; send application/json")
     body = bytearray()
     async for part in request.stream():
         body += part
-        if len(body) > MAX_BODY_BYTES:
-            raise ProblemError(413, "body-too-large", f"the body is larger than {MAX_BODY_BYTES} bytes")
+        if len(body) > most:
+            raise ProblemError(413, "body-too-large", f"the body is larger than {most} bytes")
     return bytes(body)
 
 

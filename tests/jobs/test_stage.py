@@ -15,9 +15,12 @@ import pytest
 
 from hgs_core.runs.run_config import RunConfig
 from hgs_core.runs.run_folder import RunFolder
+from jobs.artifacts.artifact_store import open_store
 from jobs.home.home import Home
 from jobs.home.stage_limits import StageLimits
 from jobs.home.stage_settings import StageBytes
+from jobs.queue.edit_job import make_edit_job
+from jobs.queue.edit_request import EditRequest
 from tests.conftest import REPOSITORY
 
 Stage = subprocess.Popen[bytes]
@@ -74,6 +77,17 @@ def finish(process: Stage) -> tuple[int, list[dict[str, object]], str]:
 def iterations(run: Path) -> list[int]:
     log = run / "iterations.log"
     return [int(line.split()[1]) for line in log.read_text().splitlines()] if log.exists() else []
+
+
+@pytest.mark.parametrize("pipeline", ["hgs_core.runs.stages"])
+def test_a_bad_list_of_splats_fails_the_stage_that_reads_it(
+    start: Callable[[str, Path], Stage], home: Home, scene: Path
+) -> None:
+    open_store(home).put_scene(scene, "studio")
+    job = make_edit_job(home, EditRequest("studio", b'{"format": "hgs-splats", "version": 9}'))
+    status, messages, _ = finish(start("initialise", home.run(job.id)))
+    assert status == 2
+    assert str(messages[-1]["error"]).endswith("splats.json: version: is 9, not 1; give a list of splats")
 
 
 def test_progress_comes_as_json_lines(start: Callable[[str, Path], Stage], run: Path) -> None:

@@ -25,6 +25,7 @@ from jobs.artifacts.artifact_store import SceneEntry
 from jobs.artifacts.scene_description import SceneDescription
 from jobs.home.home import Home
 from jobs.queue.client import JobConflictError
+from jobs.queue.edit_request import EditRequest
 from jobs.queue.job_request import JobRequest
 from jobs.records.announcements import Announcement
 from jobs.records.job import Job, JobState, Place
@@ -79,6 +80,7 @@ class FakeJobs:
     def __init__(self) -> None:
         self.jobs: dict[str, Job] = {}
         self.requests: list[JobRequest] = []
+        self.edits: list[EditRequest] = []
         self.refuse: Exception | None = None
         self.closed = False
         self.alive: tuple[Worker, ...] = ()
@@ -103,6 +105,14 @@ class FakeJobs:
             webhook=request.webhook,
             audio=request.audio,
         )
+        return job_id
+
+    def edit(self, request: EditRequest) -> str:
+        if request.scene != "studio":
+            raise KeyError(request.scene)
+        self.edits.append(request)
+        job_id = f"edit-{len(self.jobs)}"
+        self.jobs[job_id] = Job(job_id, request.title or "Studio", f"/runs/{job_id}/source/studio", {})
         return job_id
 
     def get(self, job_id: str) -> Job | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from hgs_core.codec.format.audio import AudioEntry, AudioPiece, CodedAudio
 from hgs_core.codec.format.scene_folder import chunk_id, read_audio
 from hgs_core.edit.orient import Similarity, orient, turn_about
 from hgs_core.edit.regions import ball_of
+from hgs_core.edit.splat_list import SplatList
 from hgs_core.edit.trim import trim
 from hgs_core.edit.viewed_scene import Edit, ViewedScene
 from hgs_core.runs.edited import edit_run, open_editable
@@ -127,6 +129,21 @@ def test_an_encoding_that_fails_leaves_nothing(run: Path, tmp_path: Path) -> Non
 def test_a_folder_that_is_there_is_refused(run: Path, edited: Path) -> None:
     with pytest.raises(InputError, match="edited: exists; choose a new or empty folder for --out"):
         edit_run(run, edited, [lambda v: trim(v, 0, 0.5)], silent, "default")
+
+
+def test_listed_splats_of_a_run_are_those_of_its_encoded_scene(run: Path, tmp_path: Path) -> None:
+    before = decode_scene(run / "scene")
+    chunk = load_manifest(run / "scene").static[-1]
+    start = len(before.static) - chunk.splats
+    (tmp_path / "list.json").write_text(
+        json.dumps({"format": "hgs-splats", "version": 1, "chunks": {chunk.id: [[2, 3]]}})
+    )
+    listed = SplatList.load(tmp_path / "list.json")
+    found = edit_run(run, tmp_path / "out", [lambda v: trim(v, 0, 0.5)], silent, "high", listed)
+    assert found.changes[0].reason == "list.json lists them"
+    after = load_scene(tmp_path / "out" / "scene.npz")
+    np.testing.assert_array_equal(after.static.means, np.delete(before.static.means, [start + 2, start + 3], axis=0))
+    assert (after.end, load_manifest(tmp_path / "out" / "scene").title) == (0.5, "Figure")
 
 
 def test_what_is_left_out_is_counted(run: Path, tmp_path: Path) -> None:

@@ -13,9 +13,11 @@ import pytest
 from hgs_core.base.errors import InputError
 from hgs_core.runs.run_config import RunConfig
 from hgs_core.runs.run_folder import RunFolder
+from jobs.artifacts.artifact_store import open_store
 from jobs.home.home import Home
 from jobs.home.passing_faults import Cause
 from jobs.queue.client import JobClient, JobConflictError, KeyReusedError
+from jobs.queue.edit_request import EditRequest
 from jobs.queue.enqueue import enqueue, workflow_id
 from jobs.queue.job_request import JobRequest
 from jobs.records.job import JobState
@@ -194,3 +196,14 @@ def test_a_job_whose_last_process_still_saves_is_not_deleted(client: JobClient, 
     with RunFolder(client.home.run(job_id)).exclusive(), pytest.raises(JobConflictError, match="still saves"):
         client.delete(job_id)
     assert client.get(job_id) is not None
+
+
+def test_an_edit_is_queued_and_one_of_no_scene_leaves_nothing(client: JobClient, scene: Path) -> None:
+    with pytest.raises(KeyError, match="studio"):
+        client.edit(EditRequest("studio", b""))
+    assert (client.list(), list(client.home.runs.iterdir())) == ([], [])
+    open_store(client.home).put_scene(scene, "studio")
+    job = client.get(client.edit(EditRequest("studio", b"a list")))
+    assert job is not None
+    assert (job.state, job.title) == (JobState.QUEUED, "Scene")
+    assert client.ahead_of(job) == 0

@@ -147,12 +147,14 @@ def test_a_worker_that_ends_saves_what_it_has(saving: RunSaving, home: Home, sto
 
 def test_the_capture_is_known_before_the_run_is_fetched(saving: RunSaving, store: ObjectStore, tmp_path: Path) -> None:
     assert saving.path_of_capture(ATTEMPT) is None  # run.json does not tell
-    for job_id, capture in (("b", "/captures/studio"), ("c", "upload:studio")):
-        (tmp_path / "submitted" / "run.json").write_text(json.dumps({"capture": capture}))
+    captures = (("b", "/captures/studio", False), ("c", "upload:studio", False), ("d", "/elsewhere/source/x", True))
+    for job_id, capture, edited in captures:
+        (tmp_path / "submitted" / "run.json").write_text(json.dumps({"capture": capture, "edited": edited}))
         RunState(StoredRun(store, f"runs/{job_id}"), tmp_path / "submitted", 0).create()
         saving.begin((job_id, 1), 1)
     assert saving.path_of_capture(("b", 1)) == Path("/captures/studio")
     assert saving.path_of_capture(("c", 1)) is None
+    assert saving.path_of_capture(("d", 1)) is None  # comes with the run
 
 
 def test_a_shared_home_needs_none_of_it(tmp_path: Path) -> None:
@@ -168,3 +170,19 @@ def test_a_shared_home_needs_none_of_it(tmp_path: Path) -> None:
     asyncio.run(stage())
     saving.complete(ATTEMPT)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_the_scene_of_an_edit_comes_with_its_run(
+    saving: RunSaving, home: Home, store: ObjectStore, tmp_path: Path
+) -> None:
+    source = tmp_path / "submitted" / "source" / "studio"  # another machine
+    source.mkdir(parents=True)
+    (source / "manifest.json").write_text("{}")
+    spec = {"capture": str(source), "edited": True}
+    (tmp_path / "submitted" / "run.json").write_text(json.dumps(spec))
+    RunState(StoredRun(store, "runs/e"), tmp_path / "submitted", 0).create()
+    saving.begin(("e", 1), 1)
+    assert asyncio.run(saving.claim(("e", 1))) == Done()
+    here = saving.capture("e", source)
+    assert here == home.run("e") / "source" / "studio"
+    assert (here / "manifest.json").is_file()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 import os
 from pathlib import Path
 
@@ -12,7 +13,7 @@ from obstore.store import MemoryStore, ObjectStore
 from hgs_core.base.errors import InputError
 from jobs.home.home import Home
 from jobs.runs import stored_captures
-from jobs.runs.stored_captures import StoredCaptures
+from jobs.runs.stored_captures import StoredCaptures, capture_of
 
 
 @pytest.fixture
@@ -104,3 +105,11 @@ def test_one_that_was_deleted_is_named(here: StoredCaptures, tmp_path: Path) -> 
     there = machine(tmp_path / "there")
     with pytest.raises(InputError, match="the upload 'a' was deleted"), there.held(Path(there.local("upload:a"))):
         pass
+
+
+def test_a_run_that_edits_a_scene_has_its_copy(tmp_path: Path) -> None:
+    for edited, expected in ((False, Path("/a/source/studio")), (True, tmp_path / "source" / "studio")):
+        (tmp_path / "run.json").write_text(json.dumps({"capture": "/a/source/studio", "edited": edited}))
+        assert capture_of(tmp_path) == expected
+    (tmp_path / "run.json").write_text("[]")
+    assert capture_of(tmp_path) is None

@@ -37,6 +37,8 @@ CHUNK = "/v1/chunks/" + 64 * "0"
         ("GET", "/v1", Scope.ADMIN),
         ("GET", "/v1/new-thing", Scope.ADMIN),
         ("GET", "/v1/scenes/studio/new-thing", Scope.ADMIN),
+        ("POST", "/v1/scenes/studio/edits", Scope.SUBMIT),
+        ("GET", "/v1/scenes/studio/edits", Scope.ADMIN),
         ("GET", "/metrics", Scope.ADMIN),
         ("GET", "/openapi.json", Scope.ADMIN),
         ("WEBSOCKET", "/v1/other", Scope.ADMIN),

@@ -45,6 +45,17 @@ def test_an_edited_run_is_taken_like_any_other(run: Path, tmp_path: Path, capsys
     assert "was edited, so that no pictures show the scene as it is now" in capsys.readouterr().err
 
 
+def test_listed_splats_go(run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    chunk = load_manifest(run / "scene").static[0]
+    listed = {"format": "hgs-splats", "version": 1, "chunks": {chunk.id: [[0, 2]]}}
+    (tmp_path / "list.json").write_text(json.dumps(listed))
+    assert main(["edit", str(run), "--out", str(tmp_path / "out"), "--splats", str(tmp_path / "list.json")]) == 0
+    assert "3 of 147 splats left out: list.json lists them" in capsys.readouterr().err
+    assert (
+        len(load_scene(tmp_path / "out" / "scene.npz").static) == load_manifest(run / "scene").totals.splats_static - 3
+    )
+
+
 def test_two_runs_are_merged(run: Path, tmp_path: Path) -> None:
     assert main(["edit", str(run), "--out", str(tmp_path / "both"), "--merge", str(run), "--at=0.1"]) == 0
     manifest = load_manifest(tmp_path / "both" / "scene")
@@ -63,6 +74,7 @@ def test_two_runs_are_merged(run: Path, tmp_path: Path) -> None:
         (["--box=a,b"], "--box: 'a,b' are no finite numbers"),
         (["--box=0,0,0,1,1"], "--box: has 5 finite numbers"),
         (["--trim=0,9"], "--trim: 0 to 9 s is no stretch of the scene"),
+        (["--splats=nowhere"], "nowhere: cannot be read (No such file or directory); give a list of splats"),
         (["--merge=nowhere"], "nowhere: is neither a finished run nor a scene folder"),
     ],
 )

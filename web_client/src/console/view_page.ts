@@ -9,7 +9,7 @@ import type { Quality } from "../renderer/fineness";
 import { floatPixels } from "../renderer/float_pixels";
 import type { Pixels } from "../renderer/shot";
 import { PlayerView } from "../ui/player_view";
-import type { WholePage } from "../ui/player_view_options";
+import type { PageTool, WholePage } from "../ui/player_view_options";
 import { linkWithBookmarks, linkWithKeys, sharedLink } from "../ui/shared_view";
 import { parseViewParameters, type ViewParameters } from "./view_parameters";
 
@@ -45,6 +45,7 @@ export function showViewPage(root: HTMLElement, scene: string): void {
     tools: {
       crop: async (player, root) => new (await import("../crop/crop_tool")).CropTool(player, root),
       path,
+      clean: linked() ? undefined : (player, root) => cleaning(scene, player, root),
     },
     keep: (bookmarks) => history.replaceState(null, "", linkWithBookmarks(location.href, bookmarks)),
   };
@@ -56,6 +57,17 @@ export function showViewPage(root: HTMLElement, scene: string): void {
   } catch (error) {
     new PlayerView(host, { page }).fail(error instanceof Error ? error.message : String(error));
   }
+}
+
+/** Whether the visitor came by a link, which opens a scene and nothing else. */
+const linked = (): boolean => new URLSearchParams(location.search).has("link");
+
+async function cleaning(scene: string, player: HgsPlayer, root: HTMLElement): Promise<PageTool> {
+  const [{ CleanTool }, { editStarter }] = await Promise.all([
+    import("../clean/clean_tool"),
+    import("./started_edit"), // rarely used
+  ]);
+  return new CleanTool(player, root, editStarter(scene, player.disposed));
 }
 
 type LoadKeyFrames = (player: HgsPlayer, root: HTMLElement) => Promise<KeyFrameTool>;

@@ -145,6 +145,12 @@ export async function renameScene(id: string, title: string): Promise<void> {
   await sendJson("PATCH", sceneAddress(id), { title });
 }
 
+/** Queue a job that makes a new scene of this one, without the splats of a list, a JSON text (docs/editing.md). */
+export async function editScene(id: string, list: string): Promise<Job> {
+  const headers = { Accept: "application/json", "Content-Type": "application/json" };
+  return (await (await request(`${sceneAddress(id)}/edits`, { method: "POST", headers, body: list })).json()) as Job;
+}
+
 export async function deleteScene(id: string): Promise<void> {
   await request(sceneAddress(id), { method: "DELETE" });
 }

@@ -88,6 +88,7 @@ export class Commands {
       link,
       toggleCrop: toggler("crop"),
       togglePath: toggler("path"),
+      toggleClean: toggler("clean"),
     });
     this.actions = actions;
     const bindings = playerKeys(player, actions, {

@@ -137,8 +137,9 @@ export function playerKeys(player: HgsPlayer, actions: PlayerActions, view: KeyS
   if (actions.surroundings.link) {
     rest.splice(1, 0, { keys: ["c"], does: "Copy a link to this picture", action: () => void actions.copyLink() });
   }
-  const { toggleCrop, togglePath } = actions.surroundings;
+  const { toggleCrop, togglePath, toggleClean } = actions.surroundings;
   if (togglePath) rest.splice(1, 0, { keys: ["n"], does: "Key frames of a camera path", action: togglePath });
+  if (toggleClean) rest.splice(1, 0, { keys: ["e"], does: "Start or finish cleaning", action: toggleClean });
   if (toggleCrop) rest.splice(1, 0, { keys: ["v"], does: "Start or finish cropping", action: toggleCrop });
   return [
     { name: "Playing", bindings: playing },

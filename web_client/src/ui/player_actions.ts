@@ -40,6 +40,8 @@ export interface ActionSurroundings {
   readonly toggleCrop: (() => void) | null;
   /** Open or close the key frames of a camera path; null if the page has none. */
   readonly togglePath: (() => void) | null;
+  /** Open or close the cleaning tool; null if the page has none. */
+  readonly toggleClean: (() => void) | null;
 }
 
 export class PlayerActions {

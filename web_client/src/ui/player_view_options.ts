@@ -16,6 +16,8 @@ export interface PageTools {
   readonly crop: LoadTool;
   /** Key frames of a camera path. */
   readonly path: LoadTool;
+  /** The cleaning tool; undefined for visitors without the right to edit. */
+  readonly clean?: LoadTool;
 }
 
 /** The parts of a page with nothing but a player. */

@@ -61,7 +61,7 @@ export class SettingsMenu {
     this.#clear = command("Clear the repeated part (X)", () => actions.clearLoop());
     const { moves } = actions;
     const link = actions.surroundings.link !== null;
-    const { toggleCrop, togglePath } = actions.surroundings;
+    const { toggleCrop, togglePath, toggleClean } = actions.surroundings;
     this.node.append(
       row("Quality", this.#quality),
       ...(camera.names.length > 0 ? [row("Camera", this.#camera)] : []),
@@ -88,6 +88,7 @@ export class SettingsMenu {
         ...(link ? [command("Copy link (C)", () => this.#close(() => actions.copyLink()))] : []),
         ...(togglePath ? [command("Camera path (N)", () => this.#close(togglePath))] : []),
         ...(toggleCrop ? [command("Crop (V)", () => this.#close(toggleCrop))] : []),
+        ...(toggleClean ? [command("Clean (E)", () => this.#close(toggleClean))] : []),
         command("Save picture (P)", () => this.#close(() => actions.savePicture())),
         command("Keys and gestures (?)", () => this.#close(() => view.showHelp())),
       ),

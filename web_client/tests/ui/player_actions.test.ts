@@ -42,6 +42,7 @@ describe("a scene from 1 to 11 seconds", () => {
       link: ({ time, subjectOnly }) => `https://a.example/?t=${time}&subject=${subjectOnly}`,
       toggleCrop: null,
       togglePath: null,
+      toggleClean: null,
     });
   });
 

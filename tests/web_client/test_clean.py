@@ -1,0 +1,220 @@
+"""Visible splats selected, deleted, and left out of a new scene by a job."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+from benchmarks.viewers.browser import canvas_pixels
+from hgs_core.codec import decode_scene, encode_scene, load_manifest
+from hgs_core.edit.splat_list import SplatList
+from hgs_core.scene.camera import Camera, looking_at
+from hgs_core.scene.files import load_scene
+from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSplats
+from jobs.artifacts.artifact_store import ArtifactStore
+from tests.web_client.conftest import serving, site_of
+from tests.web_client.test_view_page import PHONE, viewing
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, Page
+
+    from tests.web_client.conftest import Site
+
+pytestmark = [pytest.mark.browser, pytest.mark.timeout(240)]
+
+DESKTOP = {"width": 960, "height": 600}  # three times the pictures of the cameras
+REDDER = """(before) => window.hgs.readPixels().then(({ width, height, data }) => {
+  const at = 4 * (width * (height >> 1) + (width >> 1));
+  return data[at] - data[at + 1] > before;
+})"""
+
+
+def counts(page: Page) -> dict[str, int]:
+    """The numbers of splats in the panel, by their kind."""
+    text = page.locator(".clean-counts").text_content() or ""
+    return {kind: int(count.replace(",", "")) for count, kind in re.findall(r"([\d,]+) (\w+)", text)}
+
+
+def begin(page: Page) -> None:
+    page.keyboard.press("e")
+    page.locator(".clean-panel").wait_for()
+
+
+def wait_for(page: Page, kind: str) -> int:
+    page.locator(".clean-counts", has_text=kind).wait_for()
+    return counts(page)[kind]
+
+
+def box(page: Page, start: tuple[float, float], end: tuple[float, float]) -> None:
+    page.get_by_role("button", name="Box").click()
+    page.mouse.move(*start)
+    page.mouse.down()
+    page.mouse.move(*end, steps=3)
+    page.mouse.up()
+
+
+def listed(page: Page, folder: Path) -> SplatList:
+    with page.expect_download() as download:
+        page.get_by_role("button", name="Save the list").click()
+    download.value.save_as(folder / "splats.json")
+    return SplatList.load(folder / "splats.json")
+
+
+def test_a_brush_selects_and_deletes_what_it_covers_and_steps_back(browser: Browser, site: Site) -> None:
+    with viewing(browser, site, viewport=DESKTOP) as page:
+        loaded: list[str] = []
+        page.on("request", lambda request: loaded.append(request.url))
+        before = canvas_pixels(page)
+        begin(page)
+        assert any("clean_tool" in url for url in loaded)  # not before it was asked for
+        page.mouse.move(480, 300)
+        page.mouse.down()
+        page.mouse.move(500, 310, steps=3)
+        page.mouse.up()
+        selected = wait_for(page, "selected")
+        page.wait_for_function(REDDER, arg=40)
+        page.keyboard.press("Delete")
+        assert wait_for(page, "deleted") == selected
+        page.wait_for_function(f"() => ({REDDER})(40).then((red) => !red)")
+        assert np.abs(canvas_pixels(page).astype(int) - before).max() > 20
+        page.keyboard.press("Control+z")
+        assert wait_for(page, "selected") == selected
+        page.keyboard.press("Control+z")
+        page.locator(".clean-counts", has_text="Nothing is marked").wait_for()
+        page.keyboard.press("Control+Shift+z")
+        assert wait_for(page, "selected") == selected
+        assert "crosshair" in page.locator(".stage").evaluate("(stage) => getComputedStyle(stage).cursor")
+        page.keyboard.press("Escape")
+        assert "crosshair" not in page.locator(".stage").evaluate("(stage) => getComputedStyle(stage).cursor")
+        page.wait_for_function(f"() => ({REDDER})(40).then((red) => !red)")  # the scene as it is
+
+
+def test_a_saved_list_holds_the_splats_of_a_box_alone(browser: Browser, site: Site, tmp_path: Path) -> None:
+    with viewing(browser, site, viewport=DESKTOP) as page:
+        begin(page)
+        page.get_by_label("Also what is hidden behind").check()
+        box(page, (30, 100), (480, 460))
+        selected = wait_for(page, "selected")
+        page.get_by_role("button", name="Delete").click()
+        assert wait_for(page, "deleted") == selected
+        found = listed(page, tmp_path)
+    manifest, scene = load_manifest(site.folder), decode_scene(site.folder)
+    keep, start = np.ones(len(scene.static), np.bool_), 0
+    for chunk in manifest.static:
+        for first, last in found.chunks.get(chunk.id, ()):
+            keep[start + first : start + last + 1] = False
+        start += chunk.splats
+    camera = site.cameras[0]
+    pixels, depth = camera.project(scene.static.means)
+    across, down = 3 * pixels.T
+    inside = (across > 35) & (across < 475) & (down > 105) & (down < 455) & (depth > camera.near)
+    outside = (across < 25) | (across > 485) | (down < 95) | (down > 465)
+    visible = 1 / (1 + np.exp(-scene.static.opacity_logits)) > 0.05
+    assert inside.any()
+    assert not keep[inside & visible].any()
+    assert keep[outside].all()
+    assert sum(last - first + 1 for ranges in found.chunks.values() for first, last in ranges) == selected
+    assert any(chunk.id in found.chunks for piece in manifest.slices for chunk in piece.chunks)  # moving ones, too
+
+
+def test_strokes_in_quick_succession_all_count(browser: Browser, site: Site) -> None:
+    with viewing(browser, site, viewport=DESKTOP) as page:
+        begin(page)
+        for x in (300, 400, 500):
+            page.mouse.move(x, 150)
+            page.mouse.down()
+            page.mouse.move(x, 400, steps=2)
+            page.mouse.up()
+        undo = page.get_by_role("button", name="Undo")
+        for _ in range(3):
+            undo.click()
+        page.locator(".clean-counts", has_text="Nothing is marked").wait_for()
+        assert undo.is_disabled()
+
+
+def test_the_hidden_come_back_and_a_selection_is_taken_back(browser: Browser, site: Site) -> None:
+    with viewing(browser, site, viewport=DESKTOP) as page:
+        begin(page)
+        page.get_by_role("button", name="At the middle").press("Enter")  # no pointer
+        selected = wait_for(page, "selected")
+        page.get_by_role("button", name="Hide", exact=True).click()
+        assert wait_for(page, "hidden") == selected
+        page.get_by_role("button", name="At the middle").click()  # splats behind the hidden ones
+        wait_for(page, "selected")
+        page.get_by_label("Deselect instead").check()
+        page.get_by_role("button", name="At the middle").click()
+        page.wait_for_function(
+            "() => !document.querySelector('.player-host').shadowRoot"
+            ".querySelector('.clean-counts').textContent.includes('selected')"
+        )
+        page.get_by_role("button", name="Show hidden").click()
+        page.locator(".clean-counts", has_text="Nothing is marked").wait_for()
+        assert page.get_by_role("button", name="Apply").is_disabled()
+
+
+def test_a_finger_draws_and_the_camera_stays(browser: Browser, site: Site) -> None:
+    with viewing(browser, site, **PHONE) as page:
+        page.get_by_role("button", name="Settings").tap()
+        page.get_by_role("button", name="Clean").tap()
+        page.locator(".clean-panel").wait_for()
+        page.get_by_role("button", name="Look").tap()
+        page.get_by_role("button", name="Brush").tap()
+        devices = page.context.new_cdp_session(page)
+        for kind, x in (("touchStart", 80), ("touchMove", 180), ("touchMove", 320), ("touchEnd", None)):
+            points = [] if x is None else [{"x": x, "y": 250}]
+            devices.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+        wait_for(page, "selected")
+        assert page.get_by_role("button", name="Back to the view").count() == 0  # the camera has not moved
+        panel = page.locator(".clean-panel").bounding_box()
+        assert panel is not None
+        assert panel["y"] > 0.4 * 844  # the upper part of the picture is free
+
+
+def test_apply_makes_a_new_scene_without_the_deleted_splats(browser: Browser, tmp_path: Path) -> None:
+    """A wall, and a floater before it, which goes; the first scene stays."""
+    rng = np.random.default_rng(1)
+    wall = np.stack([*rng.uniform(-1, 1, (2, 150)), np.zeros(150)], axis=1)
+    means = np.concatenate([wall, [[0.0, 0.0, -1.5]]]).astype(np.float32)
+    count = len(means)
+    still = StaticSplats(
+        means,
+        np.full((count, 3), np.log(0.12), np.float32),
+        np.tile(np.float32([1, 0, 0, 0]), (count, 1)),
+        np.full(count, 4.0, np.float32),
+        np.concatenate([np.tile([0.2, 0.5, 0.8], (150, 1)), [[1.0, 1.0, 0.0]]]).astype(np.float32),
+    )
+    run = tmp_path / "studio"
+    cameras = [
+        Camera(name, 160, 100, 150.0, 150.0, 80.0, 50.0, looking_at((x, 0.0, -3.0), np.zeros(3)))
+        for name, x in (("left", -0.4), ("middle", 0.0), ("right", 0.4))
+    ]
+    scene = HybridScene(still, (Segment(0.0, 0.0, DynamicSplats.empty()),))
+    encode_scene(scene, run / "scene", cameras=cameras, times=np.zeros(1), title="Studio", trained=cameras)
+    home = tmp_path / "home"
+    home.mkdir()
+    with serving([run], home, workers=1) as (address,):
+        site = site_of(address, run / "scene")
+        with viewing(browser, site, "?camera=middle", viewport=DESKTOP) as page:
+            begin(page)
+            box(page, (440, 260), (520, 340))
+            wait_for(page, "selected")
+            page.get_by_role("button", name="Delete").click()
+            deleted = wait_for(page, "deleted")
+            page.get_by_role("button", name="Apply").click()
+            page.get_by_role("link", name="Open the new scene").wait_for(timeout=200_000)
+            page.get_by_role("link", name="Open the new scene").click()
+            page.wait_for_url(re.compile(r"/view/studio-[0-9a-f]{8}$"))
+            page.wait_for_function("() => window.hgs !== undefined")
+            page.evaluate("() => window.hgs.ready")
+            made = page.url.rpartition("/")[2]
+            assert page.title() == "Studio · HGS"
+        store = ArtifactStore((home / "store").as_uri())
+        assert {entry.id for entry in store.list_scenes()} == {"studio", made}
+    left = load_scene(home / "runs" / made / "scene.npz").static.means
+    assert deleted < 20  # the wall behind the floater is not seen, but for its rim
+    assert left[:, 2].min() > -1.0
+    assert len(left) == count - deleted
