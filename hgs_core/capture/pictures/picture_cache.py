@@ -15,7 +15,7 @@ Neighbour = tuple[int, npt.NDArray[np.uint8]]
 """A frame index and its picture [H, W, 3]."""
 
 
-_LARGE = 1 << 20  # bytes of a picture that is kept in memory of its own
+_LARGE = 1 << 17  # bytes of a picture that is kept in memory of its own
 
 
 class FrameCache:
