@@ -18,22 +18,22 @@ from hgs_core.runs.training_size import SegmentSize, TrainingSize
 __all__ = ["COSTS", "MEMORY", "course_of_training", "memory_terms", "scene_bytes", "terms", "training_need"]
 
 COSTS: Mapping[str, tuple[float, ...]] = {
-    "sync": (0.024,),
-    "check": (0.57, 0.024),
-    "frames": (0.021,),
-    "masks": (0.045,),
-    "points": (1.1, 0.79),
-    "steps": (0.027, 0.078, 0.0),
-    "moving": (0.0091, 0.052, 0.0),
-    "rounds": (1.8, 6.6),
-    "encode": (0.0, 0.52, 0.43),
+    "sync": (0.015,),
+    "check": (0.39, 0.02),
+    "frames": (0.012,),
+    "masks": (0.021,),
+    "points": (1.0, 0.33),
+    "steps": (0.0041, 0.055, 0.00019),
+    "moving": (0.0049, 0.023, 0.000063),
+    "rounds": (1.3, 4.1),
+    "encode": (14.0, 0.43, 0.09),
 }
 """Seconds of processor time of each of the `terms`."""
 
 MEMORY: Mapping[str, tuple[float, ...]] = {
-    "initialise": (560.0, 1.9, 1.9),
-    "train": (900.0, 1.7, 61.0, 0.0),
-    "encode": (720.0, 2.3, 47.0, 3.1),
+    "initialise": (490.0, 1.2, 11.0),
+    "train": (570.0, 1.1, 50.0),
+    "encode": (570.0, 1.1, 50.0),
 }
 """MiB of each of the `memory_terms`."""
 
@@ -106,13 +106,8 @@ def terms(size: TrainingSize) -> dict[str, tuple[float, ...]]:
 
 def memory_terms(size: TrainingSize, held: float) -> dict[str, tuple[float, ...]]:
     """Return the numbers that each stage's memory is a multiple of; `held` are the MiB of pictures."""
-    pictures = size.training_cameras * size.pixels / 1e6
-    splats = _FILLED * max(one.static + one.dynamic for one in size.segments) / 1000
-    return {
-        "initialise": (1.0, held, pictures),
-        "train": (1.0, held, pictures, splats),
-        "encode": (1.0, held, pictures, splats),
-    }
+    grown = 1.0, held, size.training_cameras * size.pixels / 1e6
+    return dict.fromkeys(MEMORY, grown)
 
 
 def course_of_training(size: TrainingSize) -> tuple[float, ...]:
