@@ -32,7 +32,7 @@ def chain(iterations: int) -> bytes:
 
 
 def create_run(
-    run: Path, capture: Path, config: RunConfig, *, masks: Path | None = None, audio: str = "auto"
+    run: Path, capture: Path, config: RunConfig, *, audio: str = "auto", **given: Path | None
 ) -> RunConfig:
     settings = {"capture": str(capture), "iterations": config.train.iterations}
     write_bytes(run / "run.json", json.dumps(settings).encode())

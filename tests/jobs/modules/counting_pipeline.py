@@ -34,7 +34,7 @@ SECONDS_PER_ITERATION = 0.02
 
 
 def create_run(
-    run: Path, capture: Path, config: RunConfig, *, masks: Path | None = None, audio: str = "auto"
+    run: Path, capture: Path, config: RunConfig, *, audio: str = "auto", **given: Path | None
 ) -> RunConfig:
     if not (capture / "behaviour").is_file():
         raise InputError(capture, "has no file `behaviour`")

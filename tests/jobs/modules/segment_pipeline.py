@@ -23,7 +23,7 @@ from tests.growing import growing_manifest
 
 
 def create_run(
-    run: Path, capture: Path, config: RunConfig, *, masks: Path | None = None, audio: str = "auto"
+    run: Path, capture: Path, config: RunConfig, *, audio: str = "auto", **given: Path | None
 ) -> RunConfig:
     run.mkdir(parents=True)
     numbers = {name: float((capture / name).read_text()) for name in ("segments", "pace")}

@@ -81,7 +81,7 @@ def test_a_link_out_of_the_folders_is_refused_as_the_server_does(home: Home, tmp
 
 
 HUNGRY = """
-def create_run(run, capture, config, *, masks, audio):
+def create_run(run, capture, config, *, audio, **given):
     (capture / "transforms.json").read_bytes()
     {harm}
 """

@@ -12,7 +12,7 @@ from hgs_core.runs.run_config import RunConfig
 
 
 def create_run(
-    run: Path, capture: Path, config: RunConfig, *, masks: Path | None = None, audio: str = "auto"
+    run: Path, capture: Path, config: RunConfig, *, audio: str = "auto", **given: Path | None
 ) -> RunConfig:
     if not (capture / "scene").is_dir():
         raise InputError(capture, "has no scene")

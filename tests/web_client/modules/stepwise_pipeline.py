@@ -25,7 +25,7 @@ TOTAL = 400
 
 
 def create_run(
-    run: Path, capture: Path, config: RunConfig, *, masks: Path | None = None, audio: str = "auto"
+    run: Path, capture: Path, config: RunConfig, *, audio: str = "auto", **given: Path | None
 ) -> RunConfig:
     cameras = len(json.loads((capture / "transforms.json").read_text())["frames"])
     if config.capture.hold_out == AUTO:
