@@ -46,9 +46,7 @@ def no_depth(view: int, size: Camera) -> None:
     """Return no depths."""
 
 
-def with_known(
-    found: DepthMap, known: npt.NDArray[np.float32] | None, left_out: npt.NDArray[np.bool_]
-) -> DepthMap:
+def with_known(found: DepthMap, known: npt.NDArray[np.float32] | None, left_out: npt.NDArray[np.bool_]) -> DepthMap:
     """Return a map with known depths [h, w] in place of its own, but for the pixels left out."""
     if known is None:
         return found

@@ -100,7 +100,15 @@ class PointSearch:
         still = features.take(features.dynamic < _MOVING_SHARE)
         missing = max(0, self.static_target - len(still))
         seeds = _static_seeds(
-            self.capture, self.cameras, self.masks, ranges, missing, self.stereo, self.continued, generator, self._surfaces
+            self.capture,
+            self.cameras,
+            self.masks,
+            ranges,
+            missing,
+            self.stereo,
+            self.continued,
+            generator,
+            self._surfaces,
         )
         still = PointCloud.concatenate([still, seeds])
         still = _spaced(_reduced(still, self.static_target, generator))

@@ -46,8 +46,8 @@ def multi_view_stereo(
     """Return the points of surfaces that the wanted pixels show; the same bits for any number of threads.
 
     A third of the other views in whose pictures a point falls agree on it, and two at least, or the only other one; few
-    see through it. A `known` depth counts as long as few see through it. Where a point falls in no other picture, the surfaces that were found so go on if they are
-    `continued`. A single picture shows none.
+    see through it. A `known` depth needs no view to agree. Where a point falls in no other picture, the surfaces that
+    were found so go on if they are `continued`. A single picture shows none.
 
     Raises:
         RuntimeError: no compiled kernels (`hgs_core.native.library.available`).

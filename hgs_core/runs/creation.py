@@ -41,11 +41,10 @@ def create_run(
 ) -> RunConfig:
     """Check the capture and the config and write `run`/run.json; an equal run that is there already is kept.
 
-    `masks` is a folder of masks, `depth` one of depth maps and `mesh` a file to use instead of the capture's own; `audio`
-    is the sound: "auto" for that of the first
-    camera with any, "camera:" and the name of one, "none", or a file. What was left out or found is logged. Returns the
-    config of the run, which names the camera that is held out where `config` leaves the choice; that of videos without
-    poses is chosen when `prepare` has found them.
+    `masks` is a folder of masks, `depth` one of depth maps and `mesh` a file to use instead of the capture's own.
+    `audio` is the sound: "auto" for that of the first camera with any, "camera:" and the name of one, "none", or a
+    file. What was left out or found is logged. Returns the config of the run, which names the camera that is held out
+    where `config` leaves the choice; that of videos without poses is chosen when `prepare` has found them.
 
     Raises:
         InputError: the capture is unusable, a held-out camera is unknown, the file has no sound, or the folder is
@@ -64,9 +63,7 @@ def create_run(
         for video in videos.values():
             VideoReader(video)  # one that is none is refused now, and not when poses are looked for
         require_sounding_video(audio, videos)
-        folder.write_spec(
-            RunSpec(capture.resolve(), "", config, prepared=False, audio=audio, **given)
-        )
+        folder.write_spec(RunSpec(capture.resolve(), "", config, prepared=False, audio=audio, **given))
         return config
     opened = open_capture(
         capture, downscale=config.capture.downscale, reductions=config.capture.reductions, found=found, **given

@@ -77,7 +77,10 @@ def add_given_options(parser: argparse.ArgumentParser) -> None:
         help="depth maps of a lidar or a network, <camera>.png of 16 bits or .exr, and depth.json (docs/captures.md)",
     )
     parser.add_argument(
-        "--mesh", metavar="FILE", type=Path, help="a surface in the cameras' world: .ply, .obj or .glb (docs/captures.md)"
+        "--mesh",
+        metavar="FILE",
+        type=Path,
+        help="a surface in the cameras' world: .ply, .obj or .glb (docs/captures.md)",
     )
 
 

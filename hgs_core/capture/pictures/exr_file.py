@@ -83,7 +83,9 @@ def read_exr(path: Path) -> npt.NDArray[np.float32]:
             raise _damaged(path, f"a block of {size} bytes begins in row {row} of {height}")
         count = min(lines, height - row)
         raw = _unpacked(path, data[offset + 8 : offset + 8 + size], header.compression, count * line)
-        values = np.frombuffer(raw, np.uint8).reshape(count, line)[:, before : before + width * kinds[header.depth].itemsize]
+        values = np.frombuffer(raw, np.uint8).reshape(count, line)[
+            :, before : before + width * kinds[header.depth].itemsize
+        ]
         with np.errstate(over="ignore", invalid="ignore"):
             found[row : row + count] = np.ascontiguousarray(values).view(kinds[header.depth]).astype(np.float32)
     return found

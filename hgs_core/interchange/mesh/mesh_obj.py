@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from array import array
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -33,7 +34,7 @@ def obj_mesh(path: Path) -> Mesh:
                         places.extend((x, y, z))
                     elif words[:1] == [b"f"]:
                         face = [_row(word, len(places) // 3) for word in words[1:]]
-                        for second, third in zip(face[1:], face[2:], strict=False):
+                        for second, third in pairwise(face[1:]):
                             corners.extend((face[0], second, third))
                 except (ValueError, OverflowError) as error:
                     shown = line[:40].decode("utf-8", "replace").strip()

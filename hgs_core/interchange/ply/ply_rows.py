@@ -49,9 +49,7 @@ def element_columns(
     return found
 
 
-def _of_bytes(
-    path: Path, data: bytes, at: int, element: PlyElement, order: str, lists: bool
-) -> tuple[Columns, int]:
+def _of_bytes(path: Path, data: bytes, at: int, element: PlyElement, order: str, lists: bool) -> tuple[Columns, int]:
     """Return the columns of an element that begins at a byte, and where it ends."""
     if not element.has_lists:
         row = np.dtype([(one.name, order + one.kind) for one in element.properties])
