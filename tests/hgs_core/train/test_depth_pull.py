@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 import torch
 
 from hgs_core.points.given_surfaces import GivenSurfaces
@@ -69,7 +70,7 @@ def test_the_loss_is_the_share_by_which_what_is_drawn_lies_elsewhere() -> None:
     weight = torch.tensor([[1.0, 0.5, 0.0]])
     given = DepthTarget(torch.full((1, 3), 1 / WALL), weight)
     loss = depth_loss(torch.tensor([[4.4, 1.8, 9.0]]), torch.tensor([[1.0, 0.5, 1.0]]), given)
-    assert float(loss) == np.float32((0.1 + 0.5 * 0.05) / 3)
+    assert float(loss) == pytest.approx((0.1 + 0.5 * 0.05) / 3)
 
 
 def test_a_step_moves_splats_towards_the_given_depth() -> None:
