@@ -33,7 +33,7 @@ Depths = npt.NDArray[np.float32]
 class DepthAgreement:
     """Given depths in shares of the points' own, in the pictures of some cameras."""
 
-    cameras: int  # with given depths
+    cameras: int  # cameras with given depths
     points: int  # compared, a point once for each of these cameras that sees it
     ratio: float  # median
     spread: float  # median distance from `ratio`, share of it
@@ -48,7 +48,7 @@ class DepthAgreement:
 
 
 def judge_given_depth(capture: Capture) -> tuple[list[str], list[Finding]]:
-    """Return what is found of given depth maps and of a given mesh, and the findings.
+    """Return sentences about the given depth maps and the given mesh, and the findings.
 
     Raises:
         InputError: a map, the mesh or a picture is unreadable.

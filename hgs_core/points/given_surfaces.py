@@ -31,7 +31,7 @@ class GivenSurfaces:
         self._capture, self._masks = capture, masks
 
     def still(self, camera: int, size: Camera) -> Depths | None:
-        """Return the depths [H, W] of what stands still, in a camera's picture at a size.
+        """Return the depths [H, W] of the still scene, in a camera's picture at a size.
 
         They are the camera's own map, else the median of its maps over time without movers; the mesh fills them up.
 

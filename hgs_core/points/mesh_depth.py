@@ -30,7 +30,7 @@ def mesh_depth(corners: Doubles, camera: Camera) -> npt.NDArray[np.float32]:
     drawn = np.flatnonzero((width > 0) & (height > 0) & (area != 0))
     counts = (width * height)[drawn]
     nearest = np.full(camera.width * camera.height, np.inf)
-    chunk = np.cumsum(counts) // _AT_ONCE  # of each triangle; a chunk has one triangle at least
+    chunk = np.cumsum(counts) // _AT_ONCE  # chunk numbers of triangles
     for number in np.unique(chunk):
         rows, own = drawn[chunk == number], counts[chunk == number]
         triangle = np.repeat(rows, own)
@@ -43,7 +43,7 @@ def mesh_depth(corners: Doubles, camera: Camera) -> npt.NDArray[np.float32]:
             ends = across[triangle, a], down[triangle, a], across[triangle, b], down[triangle, b]
             share = _turned(x, y, *ends) / area[triangle]
             inside &= share >= 0
-            inverse += share / depths[triangle, corner]  # which is linear in the picture
+            inverse += share / depths[triangle, corner]  # linear in the picture
         pixels = row * camera.width + column
         np.minimum.at(nearest, pixels[inside], 1 / inverse[inside])
     return np.where(np.isinf(nearest), 0, nearest).astype(np.float32).reshape(camera.height, camera.width)
@@ -79,7 +79,7 @@ def _cut(front: Doubles, behind: Doubles) -> Doubles:
 
 
 def _pixels(places: Doubles, size: int) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
-    """Return the first pixel, and the number of pixels, whose centres lie between places [T, 3] and in the picture."""
+    """Return the first pixel, and the number of pixels, with their centres between places [T, 3] and in the picture."""
     first = np.ceil(places.min(1) - 0.5).clip(0, size).astype(np.int64)
     last = np.floor(places.max(1) - 0.5).clip(-1, size - 1).astype(np.int64)
     return first, np.maximum(last - first + 1, 0)

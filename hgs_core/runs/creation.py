@@ -53,7 +53,16 @@ def create_run(
     from hgs_core.runs.sound import require_sound_file, require_sounding_video
 
     audio = require_sound_file(audio)
-    given = {"masks": masks and masks.resolve(), "depth": depth and depth.resolve(), "mesh": mesh and mesh.resolve()}
+    spec = RunSpec(
+        capture.resolve(),
+        "",
+        config,
+        masks and masks.resolve(),
+        prepared=False,
+        audio=audio,
+        depth=depth and depth.resolve(),
+        mesh=mesh and mesh.resolve(),
+    )
     folder = RunFolder(run)
     found = folder.found if folder.found.is_dir() else None
     if not has_poses(capture) and (found is None or not has_poses(found)) and are_enough_videos(capture):
@@ -63,10 +72,16 @@ def create_run(
         for video in videos.values():
             VideoReader(video)  # one that is none is refused now, and not when poses are looked for
         require_sounding_video(audio, videos)
-        folder.write_spec(RunSpec(capture.resolve(), "", config, prepared=False, audio=audio, **given))
+        folder.write_spec(spec)
         return config
     opened = open_capture(
-        capture, downscale=config.capture.downscale, reductions=config.capture.reductions, found=found, **given
+        capture,
+        masks=masks,
+        depth=depth,
+        mesh=mesh,
+        downscale=config.capture.downscale,
+        reductions=config.capture.reductions,
+        found=found,
     )
     sources = [opened.video(camera) for camera in range(len(opened.cameras))]
     require_sounding_video(
@@ -75,16 +90,9 @@ def create_run(
     config = _with_held_out(config, folder, opened)
     _require_enough(config, opened)
     prepared = not opened.unaligned or config.capture.sync == "none"
-    spec = RunSpec(
-        capture.resolve(),
-        opened.fingerprint(),
-        config,
-        found=found,
-        prepared=prepared,
-        audio=audio,
-        **given,
+    folder.write_spec(
+        dataclasses.replace(spec, fingerprint=opened.fingerprint(), config=config, found=found, prepared=prepared)
     )
-    folder.write_spec(spec)
     for source in sources:
         if source is not None:
             indexed_packets(source[0], folder.videos)  # packets in memory, written for other processes

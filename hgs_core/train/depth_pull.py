@@ -30,7 +30,7 @@ class DepthTarget:
 
 
 class DepthPull:
-    """The given depths of what stands still, for each training camera."""
+    """The given depths of the still scene, for each training camera."""
 
     def __init__(self, surfaces: GivenSurfaces, cameras: Mapping[int, Camera]) -> None:
         self._surfaces, self._cameras = surfaces, cameras
@@ -69,7 +69,7 @@ def depth_loss(drawn: Tensor, alpha: Tensor, target: DepthTarget) -> Tensor:
 
 
 def _weights(depths: npt.NDArray[np.float32], camera: Camera, others: Sequence[Camera]) -> npt.NDArray[np.float32]:
-    """Return one over the number of cameras [h, w] in whose pictures a pixel's surface falls; 0 without a depth."""
+    """Return one over the number of cameras [h, w] that have a pixel's surface in their pictures; 0 without a depth."""
     row, column = np.nonzero(depths)
     xyz = camera.position + camera.rays(np.stack([column + 0.5, row + 0.5], 1)) * depths[row, column, None]
     seen = np.ones(len(xyz))

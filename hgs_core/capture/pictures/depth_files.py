@@ -1,6 +1,6 @@
 """Given depth maps: one of a camera, `<camera>.png`, or one per frame, `<camera>/<FFFF>.png`; EXR in place of PNG.
 
-One map of a camera shows what stands still; maps of frames show their moments (docs/captures.md).
+The map of a camera shows the still scene; maps of frames show their moments (docs/captures.md).
 """
 
 from __future__ import annotations
@@ -83,13 +83,13 @@ class DepthFiles:
         down, across = np.mgrid[0 : size.height, 0 : size.width] + 0.5
         x, y = (across - size.cx) / size.fx, (down - size.cy) / size.fy
         bent = view.bent
-        if stored.shape == (view.camera.height, view.camera.width):  # of the straight picture
+        if stored.shape == (view.camera.height, view.camera.width):  # a map of the straight picture
             bent, (u, v) = view.camera, (x, y)
         else:
             u, v = (np.asarray(one) for one in view.lens.apply(x, y))
         column = np.floor((u * bent.fx + bent.cx) * (stored.shape[1] / bent.width)).astype(np.int64)
         row = np.floor((v * bent.fy + bent.cy) * (stored.shape[0] / bent.height)).astype(np.int64)
-        depths = stored[row.clip(0, stored.shape[0] - 1), column.clip(0, stored.shape[1] - 1)]
+        depths: Depths = stored[row.clip(0, stored.shape[0] - 1), column.clip(0, stored.shape[1] - 1)]
         if self.scale.measured is Measured.RAY:
             depths = (depths / np.sqrt(x * x + y * y + 1)).astype(np.float32)
         return depths

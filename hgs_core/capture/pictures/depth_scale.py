@@ -27,8 +27,8 @@ _FIELDS = ("scale", "measured", "unknown")
 class Measured(StrEnum):
     """Where a depth is measured."""
 
-    AXIS = "axis"  # along the camera's axis: the z of the camera's own coordinates
-    RAY = "ray"  # from the camera's centre to the surface
+    AXIS = "axis"  # z of the camera's own coordinates
+    RAY = "ray"  # distance to the camera's centre
 
 
 @dataclass(frozen=True)
@@ -64,17 +64,21 @@ def read_depth_scale(folder: Path) -> DepthScale:
     for name in value:
         if name not in _FIELDS:
             raise InputError(file, f"has the field {shown(name)}", f"the fields are {', '.join(_FIELDS)}")
-    scale, unknown = value.get("scale"), value.get("unknown", 0)
-    if not _is_number(scale) or not 0 < scale < math.inf:
-        raise InputError(file, f"scale is {shown(scale)}, not a number above 0", _CURE)
-    if not _is_number(unknown):
-        raise InputError(file, f"unknown is {shown(unknown)}, not a number", "give the value of pixels without depth")
+    scale, unknown = (_number(value.get(name, default)) for name, default in (("scale", None), ("unknown", 0)))
+    if scale is None or scale <= 0:
+        raise InputError(file, f"scale is {shown(value.get('scale'))}, not a number above 0", _CURE)
+    if unknown is None:
+        problem = f"unknown is {shown(value['unknown'])}, not a number"
+        raise InputError(file, problem, "give the value of pixels without depth")
     measured = value.get("measured", Measured.AXIS.value)
     if measured not in tuple(Measured):
         problem = f"measured is {shown(measured)}"
         raise InputError(file, problem, "give axis, for the z of the camera, or ray, for the distance from its centre")
-    return DepthScale(file, float(scale), Measured(measured), float(unknown))
+    return DepthScale(file, scale, Measured(measured), unknown)
 
 
-def _is_number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+def _number(value: object) -> float | None:
+    """Return a finite number; None for anything else."""
+    if not isinstance(value, int | float) or isinstance(value, bool) or not math.isfinite(value):
+        return None
+    return float(value)

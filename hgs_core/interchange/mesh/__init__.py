@@ -1,3 +1,3 @@
 """Triangles of files that people have: PLY, OBJ and GLB."""
 
-from __future__ import annotations
+__all__: list[str] = []

@@ -53,7 +53,7 @@ def mesh_of_polygons(path: Path, vertices: Doubles, polygons: npt.NDArray[Any]) 
     if triangles.min() < 0 or triangles.max() >= len(vertices):
         wrong = triangles.min() if triangles.min() < 0 else triangles.max()
         raise InputError(path, f"has a triangle of vertex {wrong}; there are {len(vertices)}", "export it again")
-    finite = np.isfinite(vertices).all(1)
+    finite = np.asarray(np.isfinite(vertices).all(1))
     if not finite[triangles].all():
         raise InputError(path, f"has vertex {int(np.argmin(finite))} in a place that is none", "export it again")
     return Mesh(vertices, triangles)

@@ -1,4 +1,4 @@
-"""Depth maps and a mesh of a capture, as depths of what stands still."""
+"""Depth maps and a mesh of a capture, as depths of the still scene."""
 
 from __future__ import annotations
 

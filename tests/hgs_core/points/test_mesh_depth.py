@@ -48,7 +48,7 @@ def test_depths_are_those_of_project_in_a_turned_camera() -> None:
     row, column = np.mgrid[0:30, 0:40] + 0.5
     rays = camera.rays(np.stack([column.ravel(), row.ravel()], 1))
     nearest = np.full(len(rays), np.inf)
-    for a, b, c in corners:  # by Moller and Trumbore
+    for a, b, c in corners:  # Moller and Trumbore
         p = np.cross(rays, c - a)
         size = p @ (b - a)
         u = (p @ (camera.position - a)) / size

@@ -101,7 +101,7 @@ def test_large_pictures_are_reduced() -> None:
 
 
 def given_to_first(depths: np.ndarray) -> GivenDepth:
-    """Depths of the first picture alone, whatever its size."""
+    """Depths of the first picture alone, at any size."""
     return lambda view, size: depths if view == 0 else None
 
 

@@ -47,6 +47,8 @@ def test_a_run_is_begun_as_the_pipeline_does(home: Home, tmp_path: Path) -> None
         "capture": str(tmp_path / "capture"),
         "config": config.to_json(),
         "masks": None,
+        "depth": None,
+        "mesh": None,
         "audio": "none",
         "seconds": 60,
     }
@@ -98,6 +100,8 @@ def create_with(home: Home, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, har
         "capture": str(tmp_path / "capture"),
         "config": RunConfig().to_json(),
         "masks": None,
+        "depth": None,
+        "mesh": None,
         "audio": "none",
         "seconds": seconds,
     }
