@@ -11,6 +11,7 @@ from hgs_core.scene.camera import Camera
 __all__ = ["mesh_depth"]
 
 _NEAR = 1e-3  # world units, as in `pixels_inside`
+_TRIANGLES_AT_ONCE = 1 << 18
 _AT_ONCE = 1 << 22  # pixels that are tried
 
 
@@ -19,6 +20,14 @@ def mesh_depth(corners: Doubles, camera: Camera) -> npt.NDArray[np.float32]:
 
     Triangles are seen from both sides, and what lies behind the camera is cut off.
     """
+    nearest = np.full(camera.width * camera.height, np.inf)
+    for begin in range(0, len(corners), _TRIANGLES_AT_ONCE):
+        _draw(nearest, corners[begin : begin + _TRIANGLES_AT_ONCE], camera)
+    return np.where(np.isinf(nearest), 0, nearest).astype(np.float32).reshape(camera.height, camera.width)
+
+
+def _draw(nearest: Doubles, corners: Doubles, camera: Camera) -> None:
+    """Lower the nearest depths [H W] to those of triangles [T, 3, 3]."""
     turn, move = camera.world_to_camera[:3, :3], camera.world_to_camera[:3, 3]
     local = _in_front(corners @ turn.T + move)
     depths = local[:, :, 2]
@@ -29,7 +38,6 @@ def mesh_depth(corners: Doubles, camera: Camera) -> npt.NDArray[np.float32]:
     area = _turned(across[:, 0], down[:, 0], across[:, 1], down[:, 1], across[:, 2], down[:, 2])
     drawn = np.flatnonzero((width > 0) & (height > 0) & (area != 0))
     counts = (width * height)[drawn]
-    nearest = np.full(camera.width * camera.height, np.inf)
     chunk = np.cumsum(counts) // _AT_ONCE  # chunk numbers of triangles
     for number in np.unique(chunk):
         rows, own = drawn[chunk == number], counts[chunk == number]
@@ -46,7 +54,6 @@ def mesh_depth(corners: Doubles, camera: Camera) -> npt.NDArray[np.float32]:
             inverse += share / depths[triangle, corner]  # linear in the picture
         pixels = row * camera.width + column
         np.minimum.at(nearest, pixels[inside], 1 / inverse[inside])
-    return np.where(np.isinf(nearest), 0, nearest).astype(np.float32).reshape(camera.height, camera.width)
 
 
 def _in_front(local: Doubles) -> Doubles:

@@ -58,6 +58,8 @@ def multi_view_stereo(
     grey = [np.ascontiguousarray(picture.mean(axis=2, dtype=np.float32) / np.float32(255)) for picture in small]
     neighbours = nearest_cameras(cameras, _NEIGHBOUR_VIEWS)
 
+    given = [known(view, size) for view, size in enumerate(smaller)]
+
     def sweep(view: int) -> DepthMap:
         near, far = ranges[view]
         count = _depth_count(smaller[view], [cameras[other] for other in neighbours[view]], near, far)
@@ -72,7 +74,6 @@ def multi_view_stereo(
         return DepthMap(1, np.where(mask | (inverse <= 0), 0.0, 1 / np.where(inverse > 0, inverse, 1.0)))
 
     with core_pool() as pool:
-        given = list(pool.map(known, range(len(cameras)), smaller))
         maps = list(pool.map(sweep, range(len(cameras))))
         surfaces = _masks(maps, _are_surfaces(_points(smaller, small, maps), maps, given))
         maps = list(pool.map(complete, maps, left_out, surfaces))

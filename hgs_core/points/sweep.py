@@ -73,12 +73,13 @@ def sweep(
     step = max(2, int(np.sqrt(area / max(rays, 1))))
     neighbours = nearest_cameras(cameras, _NEIGHBOUR_VIEWS)
 
+    grid = (slice(step // 2, None, step),) * 2
+    given = [None if depths is None else depths[grid].copy() for depths in map(known, range(len(cameras)), cameras)]
+
     def one(view: int) -> DepthMap:
         others = [(cameras[other], descriptors[other]) for other in neighbours[view]]
         found = _depth_map(cameras[view], descriptors[view], others, wanted[view], ranges[view], step, masks)
-        given = known(view, cameras[view])
-        on_grid = slice(step // 2, None, step)
-        return with_known(found, None if given is None else given[on_grid, on_grid], ~wanted[view][on_grid, on_grid])
+        return with_known(found, given[view], ~wanted[view][grid])
 
     masks = [(c, np.ascontiguousarray(mask)) for c, mask in zip(cameras, hull, strict=True)] if hull else []
     with core_pool() as pool:

@@ -30,5 +30,5 @@ def read_mesh(path: Path) -> Mesh:
         raise InputError(path, f"cannot be read ({error.strerror})", "give a mesh as PLY, OBJ or GLB") from error
     if size > MOST_BYTES:
         problem = f"has {size} bytes, and {MOST_BYTES} are the most that are read"
-        raise InputError(path, problem, "give a simpler mesh: a few million triangles show a room")
+        raise InputError(path, problem, "give a simpler mesh: a million triangles show a room")
     return read(path)

@@ -17,8 +17,8 @@ __all__ = ["MOST_BYTES", "Mesh", "mesh_of_polygons"]
 MOST_BYTES = 1 << 30
 """Bytes of the largest file that is read."""
 
-_MOST_TRIANGLES = 20_000_000
-_SIMPLER = "give a simpler one: a few million triangles show a room"
+_MOST_TRIANGLES = 5_000_000
+_SIMPLER = "give a simpler one: a million triangles show a room"
 
 
 @dataclass(frozen=True)
