@@ -66,15 +66,18 @@ def test_a_frame_shows_its_movers(folder: Path) -> None:
     assert found.at(1, 3) is None
 
 
-def test_the_mesh_fills_what_the_maps_leave_open(folder: Path) -> None:
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_the_mesh_fills_what_the_maps_leave_open(folder: Path, mirrored: bool) -> None:
+    """Of a world that was mirrored with its cameras, the mesh is mirrored, too."""
     values = np.full((HEIGHT, WIDTH), 2000)
     values[:, 16:] = 0
     write_map(folder / "depth" / "0.png", values)
     camera = open_capture(folder).cameras[0]
     corners = camera.position + camera.rays(np.array([[-99, -99], [131, -99], [131, 131], [-99, 131.0]])) * 5
-    lines = [f"v {x} {y} {z}\n" for x, y, z in corners]
+    lines = [f"v {-x if mirrored else x} {y} {z}\n" for x, y, z in corners]
     (folder / "mesh.obj").write_text("".join([*lines, "f 1 2 3 4\n"]))
     found, capture = surfaces(folder)
+    capture.mirrored = mirrored
     depths = found.still(0, capture.cameras[0])
     assert depths is not None
     np.testing.assert_allclose(depths[:, :16], 2.0)
