@@ -105,7 +105,7 @@ class TrainConfig:
     lens_falloff: bool = True  # and how its lens darkens the picture towards the corners
     time_shifts: bool = True  # and by how much of a frame its clock is late (docs/training.md)
     dssim: float = 0.2  # lambda of the loss
-    depth_weight: float = 0.1  # share of given depth in the loss where one camera looks; 0: none
+    depth_weight: float = 1.0  # weight of given depth in the loss where one camera looks; 0: none
     coarse_until: float = 0.25  # share of `iterations` trained at half resolution
     moving_steps: float = 3.0  # further ones per iteration, of the dynamics alone where masks say it moves; 0: none
     settle_from: float = 0.6  # share of `iterations` after which steps of all but positions become smaller
