@@ -18,6 +18,7 @@ from hgs_core.scene.camera import Camera
 
 __all__ = ["DepthPull", "DepthTarget", "depth_loss"]
 
+_BESIDE = 2  # pixels to each side in the median of depths
 _LONGEST_SIDE = 640  # pixels of a kept map; it is looked up, not averaged
 
 
@@ -58,7 +59,7 @@ class DepthPull:
         sizes = [camera.scaled(min(1.0, _LONGEST_SIDE / max(camera.width, camera.height))) for camera in views]
         maps = [self._surfaces.still(index, size) for index, size in zip(self._cameras, sizes, strict=True)]
         return [
-            None if one is None else (one, _weights(one, size, [*views[:place], *views[place + 1 :]]))
+            None if one is None else (_smooth(one), _weights(one, size, [*views[:place], *views[place + 1 :]]))
             for place, (one, size) in enumerate(zip(maps, sizes, strict=True))
         ]
 
@@ -66,6 +67,17 @@ class DepthPull:
 def depth_loss(drawn: Tensor, alpha: Tensor, target: DepthTarget) -> Tensor:
     """Return the weighted mean over pixels of |sum over splats of (blending weight) (z / depth - 1)|."""
     return (target.weight * (drawn * target.inverse - alpha).abs()).mean()
+
+
+def _smooth(depths: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
+    """Return depths [h, w] with the median of the known ones among 25 in place of each: noise goes, edges stay."""
+    known = np.where(depths > 0, depths, np.float32(np.inf))
+    around = np.pad(known, _BESIDE, constant_values=np.inf)
+    side = 2 * _BESIDE + 1
+    shifted = [around[i : i + depths.shape[0], j : j + depths.shape[1]] for i in range(side) for j in range(side)]
+    ordered = np.sort(np.stack(shifted), axis=0)  # unknown depths come last
+    middle = np.maximum(np.isfinite(ordered).sum(0) - 1, 0)[None] // 2
+    return np.where(depths > 0, np.take_along_axis(ordered, middle, 0)[0], np.float32(0))
 
 
 def _weights(depths: npt.NDArray[np.float32], camera: Camera, others: Sequence[Camera]) -> npt.NDArray[np.float32]:

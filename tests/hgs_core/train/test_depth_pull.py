@@ -57,6 +57,22 @@ def test_the_weight_is_one_over_the_cameras_that_look_at_a_place() -> None:
     assert PULL.target(1, view("b", 2.0), None, CPU) is None
 
 
+def test_noise_of_single_pixels_goes_and_edges_stay() -> None:
+    depths = np.full((HEIGHT, WIDTH), WALL, np.float32)
+    depths[:, 20:] = WALL / 2
+    noise = np.random.default_rng(0).normal(1, 0.1, depths.shape).astype(np.float32)
+
+    class Noisy(Wall):
+        def still(self, camera: int, size: Camera) -> np.ndarray | None:
+            return depths * noise
+
+    found = DepthPull(Noisy(), {3: view("a", 0.0)}).target(0, view("a", 0.0), None, CPU)
+    assert found is not None
+    error = np.abs(depths * found.inverse.numpy() - 1)[:, 2:-2]
+    assert np.median(error) < 0.03
+    assert error.max() < 0.2
+
+
 def test_movers_are_left_alone_at_any_size_of_the_view() -> None:
     moving = np.zeros((HEIGHT, WIDTH), bool)
     moving[:, 8:12] = True
