@@ -5,14 +5,12 @@ from __future__ import annotations
 from hgs_core.capture.capture import Capture
 from hgs_core.decompose.masks import MotionMasks
 from hgs_core.points.backdrop import load_backdrop
-from hgs_core.points.given_surfaces import GivenSurfaces
 from hgs_core.points.kept_points import BACKDROP, segment_points
 from hgs_core.points.near_plane import load_near_planes
 from hgs_core.points.point_cloud import PointCloud
 from hgs_core.runs.run_config import RunConfig
 from hgs_core.runs.run_folder import RunFolder
 from hgs_core.train.capture_training import TrainingInputs
-from hgs_core.train.depth_pull import DepthPull
 from hgs_core.train.segment_cuts import CaptureSegment, cut_into_segments
 
 __all__ = ["masks_of_run", "segment_starts", "training_inputs"]
@@ -37,17 +35,13 @@ def training_inputs(folder: RunFolder, capture: Capture, config: RunConfig) -> T
     def points(segment: CaptureSegment) -> PointCloud:
         return segment.points(segment_points(folder.points, starts.index(segment.first)))
 
-    training = {i: cameras[i] for i in config.capture.training_cameras(capture)}
-    masks, backdrop = masks_of_run(folder, capture, config), load_backdrop(folder.points / BACKDROP)
-    given = (capture.depth is not None or capture.mesh is not None) and backdrop is None
     return TrainingInputs(
         capture,
-        training,
+        {i: cameras[i] for i in config.capture.training_cameras(capture)},
         config.train,
         config.seed,
         points,
         capture.frames_in(config.points.interval),
-        masks,
-        backdrop,
-        DepthPull(GivenSurfaces(capture, masks), training) if given and config.train.depth_weight else None,
+        masks_of_run(folder, capture, config),
+        load_backdrop(folder.points / BACKDROP),
     )

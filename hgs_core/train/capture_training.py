@@ -22,7 +22,6 @@ from hgs_core.scene.files import save_scene_by_segment
 from hgs_core.scene.motion import coefficients_of_order
 from hgs_core.scene.splats import HybridScene
 from hgs_core.train.checkpoint import TrainState, load_state
-from hgs_core.train.depth_pull import DepthPull
 from hgs_core.train.initial_splats import initial_splats
 from hgs_core.train.segment_cuts import CaptureSegment, cut_into_segments
 from hgs_core.train.train_config import TrainConfig
@@ -44,7 +43,6 @@ class TrainingInputs:
     sampled_every: int  # frames between the moments of dynamic points, at most
     masks: MotionMasks | None = None  # masks of the movers; needed where the config's stages are `separate`
     backdrop: Backdrop | None = None  # surface of the statics, where cameras stand far apart
-    pull: DepthPull | None = None  # given depth, where there is any
 
 
 def segment_trainer(
@@ -69,7 +67,6 @@ def segment_trainer(
         checkpoint,
         masks=inputs.masks,
         backdrop=inputs.backdrop,
-        pull=inputs.pull,
         after=after,
     )
 

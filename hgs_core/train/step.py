@@ -14,7 +14,6 @@ from hgs_core.render.tiles import tiles_to_pixels
 from hgs_core.render.types import Gradients, ScreenStatistics
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.train.colour_correction import CameraColours, ColourCorrection
-from hgs_core.train.depth_pull import depth_loss
 from hgs_core.train.loss import photometric_loss
 from hgs_core.train.train_config import TrainConfig
 from hgs_core.train.training_views import TrainingView
@@ -59,8 +58,7 @@ def take_step(
     learning = [s for name, s in (("static", static), ("dynamic", dynamic)) if gradients in (name, "all")]
     for splats in learning:
         splats.map(lambda array: array.requires_grad_(True))
-    pulling = view.depth if gradients != "dynamic" else None
-    render = rasterize(
+    picture = rasterize(
         static,
         dynamic,
         view.camera,
@@ -70,9 +68,7 @@ def take_step(
         tile_mask=tiles,
         statistics=statistics,
         antialiased=config.antialiased,
-        depth=pulling is not None,
-    )
-    picture = render.rgb
+    ).rgb
     compared, colours = picture, None
     if correction is not None:
         colours = correction.learning(view.place)
@@ -83,8 +79,6 @@ def take_step(
     if ignored is not None:
         compared = torch.where(ignored, view.target, compared)
     loss = photometric_loss(compared, view.target, config.dssim)
-    if pulling is not None and render.depth is not None:
-        loss = loss + config.depth_weight * depth_loss(render.depth, render.alpha, pulling)
     loss.backward()  # type: ignore[no-untyped-call]
     for splats in learning:
         splats.map(lambda array: array.requires_grad_(False))

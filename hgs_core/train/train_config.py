@@ -78,7 +78,6 @@ _RANGES: dict[str, Range] = {
     "segment_frames": (2, 1_000_000),  # nine hours at 30 frames per second: never cut
     "elongation": (1.0, 1e6),  # no picture is a million pixels long
     "dssim": _SHARE,
-    "depth_weight": (0.0, 100.0),
     "coarse_until": _SHARE,
     "moving_steps": (0.0, 100.0),  # a training of moving tiles
     "settle_from": _SHARE,
@@ -105,7 +104,6 @@ class TrainConfig:
     lens_falloff: bool = True  # and how its lens darkens the picture towards the corners
     time_shifts: bool = True  # and by how much of a frame its clock is late (docs/training.md)
     dssim: float = 0.2  # lambda of the loss
-    depth_weight: float = 1.0  # weight of given depth in the loss where one camera looks; 0: none
     coarse_until: float = 0.25  # share of `iterations` trained at half resolution
     moving_steps: float = 3.0  # further ones per iteration, of the dynamics alone where masks say it moves; 0: none
     settle_from: float = 0.6  # share of `iterations` after which steps of all but positions become smaller

@@ -27,7 +27,6 @@ from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSplats
 from hgs_core.train.checkpoint import TrainState, fresh_state, load_state, save_state
 from hgs_core.train.control import RoundContext, rounds
-from hgs_core.train.depth_pull import DepthPull
 from hgs_core.train.initial_splats import scene_extent
 from hgs_core.train.schedule import Schedule
 from hgs_core.train.segment_cuts import CaptureSegment
@@ -58,7 +57,6 @@ class Trainer:
         checkpoint: where the state is kept.
         backdrop: the surface that statics lie on where cameras stand far apart; None: they lie anywhere.
         masks: what moves; without them no splats are born, and stages cannot be `separate`.
-        pull: given depth that statics are pulled to; None: there is none.
         after: the state of a finished segment whose statics, colour maps and clocks are taken over as they are; None:
             this segment trains them.
     """
@@ -75,13 +73,12 @@ class Trainer:
         *,
         masks: MotionMasks | None = None,
         backdrop: Backdrop | None = None,
-        pull: DepthPull | None = None,
         after: TrainState | None = None,
     ) -> None:
         self.config, self.seed, self.checkpoint, self.segment = config, seed, checkpoint, segment
         self.statics_learn = after is None
         self.device = training_device(config.backend)
-        self.views = TrainingViews(capture, cameras, config, segment, masks, seed, self.device, pull)
+        self.views = TrainingViews(capture, cameras, config, segment, masks, seed, self.device)
         extent = scene_extent(np.array([camera.position for camera in self.views.cameras]))
         self.schedule = Schedule(config, extent, segment.frames, segment.seconds)
         self.backdrop = backdrop if masks is not None else None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -20,7 +19,6 @@ from hgs_core.decompose.masks import MotionMasks
 from hgs_core.points.same_moment import same_moments
 from hgs_core.render.types import WHOLE, Window
 from hgs_core.scene.camera import Camera
-from hgs_core.train.depth_pull import DepthPull, DepthTarget
 from hgs_core.train.device_frames import DeviceFrames
 from hgs_core.train.moving_tiles import MovingTiles, tiles_of
 from hgs_core.train.segment_cuts import CaptureSegment
@@ -44,7 +42,6 @@ class TrainingView:
     moment: float  # normalised time
     target: Tensor  # [3, H, W]; of a step where it moves its window alone
     moving: Tensor | None = None  # [H, W], or of the window, pixels that move; None unless requested
-    depth: DepthTarget | None = None  # given depth of an iteration's view
 
 
 @dataclass(frozen=True)
@@ -70,10 +67,9 @@ class TrainingViews:
         masks: MotionMasks | None,
         seed: int,
         device: torch.device = _CPU,  # place of the pictures and masks of `of_iteration`
-        pull: DepthPull | None = None,
     ) -> None:
         self._capture, self._all, self._config, self._segment = capture, cameras, config, segment
-        self._masks, self._pull, self._device = masks, pull, device
+        self._masks = masks
         self._frames = DeviceFrames(capture, device, capture.cache_bytes)
         self._on_host = DeviceFrames(capture, _CPU, 0)
         self._training = tuple(cameras)
@@ -118,11 +114,7 @@ class TrainingViews:
     def of_iteration(self, iteration: int, size: float, *, masked: bool = False) -> TrainingView:
         """Return the view of an iteration, resized by the factor `size`; `masked`: with the mask of its movers."""
         index, frame = self.order.view(iteration)
-        view = self._view(self._frames, index, frame, size, masked=masked)
-        if self._pull is None:
-            return view
-        moving = None if self._masks is None else self._masks.mask(index, self._segment.first + frame)
-        return dataclasses.replace(view, depth=self._pull.target(view.place, view.camera, moving, self._device))
+        return self._view(self._frames, index, frame, size, masked=masked)
 
     def where_it_moves(self, iteration: int, count: int, size: float) -> Iterator[tuple[TrainingView, MovingTiles]]:
         """Yield views in which something moves, resized by the factor `size`, with the targets of its windows alone.
