@@ -13,6 +13,7 @@ import numpy.typing as npt
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import ProgressCallback, silent
 from hgs_core.capture.held_pictures import FrameSource, HeldPictures
+from hgs_core.capture.pictures.depth_files import DepthFiles
 from hgs_core.scene.camera import Camera
 
 __all__ = ["CameraVideo", "Capture", "files_fingerprint", "frames_in"]
@@ -51,6 +52,8 @@ class Capture:
         mirrored: bool = False,
         videos: Sequence[CameraVideo | None] = (),  # one for each camera; None: it has pictures
         straightened: Sequence[bool] = (),  # whether each camera's lens bends; empty: none does
+        depth: DepthFiles | None = None,
+        mesh: Path | None = None,
     ) -> None:
         """Loaders call this; everybody else calls `open_capture`.
 
@@ -79,6 +82,8 @@ class Capture:
         self.mirrored = mirrored  # whether all poses were reflections, and x of the world was turned: a guess
         self._videos = tuple(videos)
         self.straightened = tuple(straightened) or (False,) * len(names)  # whether pictures are made straight
+        self.depth = depth  # given depth maps
+        self.mesh = mesh  # a file of given triangles, in the world of the cameras
         self._source = source
         self._fingerprint = fingerprint
         self.cache_bytes = cache_bytes  # bytes of decoded pictures

@@ -17,6 +17,8 @@ from hgs_core.capture.footage import Footage
 from hgs_core.capture.footage_of_cameras import Matched, match_footage
 from hgs_core.capture.lenses.straighten import StraightView
 from hgs_core.capture.pictures.as_calibrated import show_as_calibrated
+from hgs_core.capture.pictures.depth_files import DepthFiles, find_depth
+from hgs_core.capture.pictures.depth_scale import DEPTH_FILE
 from hgs_core.capture.pictures.mask_files import find_masks
 from hgs_core.capture.pictures.picture_numbers import PictureNumbers, picture_numbers
 from hgs_core.capture.pictures.picture_sequence import PictureSequence
@@ -30,6 +32,8 @@ __all__ = ["Outline", "clock_of_videos", "load", "outline"]
 _LARGE = 3.0  # times the pixels of most cameras, from which on a camera is worth a word
 _ASSUMED_RATE = 30.0  # frames per second of pictures in folders, where nothing says it
 _MASK_FOLDERS = ("masks", "mask", "seg")
+_DEPTH_FOLDER = "depth"
+_MESHES = ("mesh.ply", "mesh.obj", "mesh.glb")
 
 
 @dataclass(frozen=True)
@@ -49,8 +53,11 @@ def load(
     masks: Path | None,
     found: Path | None = None,
     index: Path | None = None,
+    *,
+    depth: Path | None = None,
+    mesh: Path | None = None,
 ) -> Recording:
-    """Read a capture with cameras of one format; `masks` replaces its own folder of masks.
+    """Read a capture with cameras of one format; `masks`, `depth` and `mesh` replace its own.
 
     `found` is a folder with a sync.json that counts where the capture has none, `index` one that keeps the time stamps
     of videos.
@@ -83,6 +90,11 @@ def load(
         numbers=None if numbers is None else numbers.numbers,
         required=masks is not None,
     )
+    maps: DepthFiles | None = None
+    if depth is not None or (capture / _DEPTH_FOLDER / DEPTH_FILE).exists():
+        footage = [one.name for one in matched.footage]
+        own = None if numbers is None else numbers.numbers
+        maps = find_depth(depth or capture / _DEPTH_FOLDER, views, footage, pictures, clock.frames.tolist(), own)
     return Recording(
         capture,
         views,
@@ -95,6 +107,8 @@ def load(
         () if times.told else tuple(one.files[0] for one in matched.footage if one.video),
         matched.left_out,
         rig.mirrored,
+        maps,
+        mesh or next((capture / name for name in _MESHES if (capture / name).is_file()), None),
     )
 
 

@@ -22,6 +22,8 @@ def open_capture(
     path: Path,
     *,
     masks: Path | None = None,
+    depth: Path | None = None,
+    mesh: Path | None = None,
     downscale: int = 1,
     reductions: Mapping[str, int] = MappingProxyType({}),
     cache_bytes: int = 1 << 30,
@@ -33,6 +35,8 @@ def open_capture(
     Args:
         path: the folder.
         masks: a folder of masks, `<camera>/<FFFF>.png`, to use instead of the capture's own.
+        depth: a folder of depth maps with their depth.json, to use instead of the capture's own.
+        mesh: a PLY, OBJ or GLB file of triangles, to use instead of the capture's own.
         downscale: pictures and masks are reduced by this whole factor.
         reductions: by camera, where it is another factor.
         cache_bytes: at most so much of decoded pictures is kept.
@@ -63,7 +67,7 @@ def open_capture(
         known = list(calibration(found))[:1]
     if not known:
         raise _unknown(path)
-    recording = load(path, *known[0], masks, found, index)
+    recording = load(path, *known[0], masks, found, index, depth=depth, mesh=mesh)
     aside = ", ".join(str(file.relative_to(path)) for _, file in known[1:])
     notes = (f"the cameras are those of {known[0][1].relative_to(path)}; {aside} is left aside",) if aside else ()
     return recording.capture(downscale=downscale, reductions=reductions, cache_bytes=cache_bytes, notes=notes)

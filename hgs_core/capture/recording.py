@@ -15,6 +15,7 @@ from hgs_core.base.errors import InputError
 from hgs_core.capture.capture import CameraVideo, Capture, files_fingerprint
 from hgs_core.capture.lenses.lens import PINHOLE
 from hgs_core.capture.lenses.straighten import WIDEST, StraightView
+from hgs_core.capture.pictures.depth_files import DepthFiles
 from hgs_core.capture.pictures.mask_files import MaskFiles
 from hgs_core.capture.pictures.picture import reduced_mask, reduced_picture
 from hgs_core.capture.pictures.picture_cache import Neighbour
@@ -49,6 +50,8 @@ class Recording:
     unaligned: tuple[Path, ...] = ()  # the cameras' videos, where nothing says when they began
     left_out: tuple[str, ...] = ()  # footage beside the cameras', of which there is no camera
     mirrored: bool = False  # whether all poses were reflections
+    depth: DepthFiles | None = None  # given depth maps
+    mesh: Path | None = None  # a given mesh
 
     def capture(
         self,
@@ -82,7 +85,15 @@ class Recording:
             masks = MaskFiles({})
             said.append("the masks are not used: at one moment nothing moves")
         said += masks.notes([view.camera.name for view in self.views])
-        fingerprint = files_fingerprint(self.path, [*self.files, *masks.sizes()], self.described_by)
+        files, described_by = [*self.files, *masks.sizes()], [*self.described_by]
+        if self.depth is not None:
+            said += self.depth.notes([view.camera.name for view in self.views])
+            files += self.depth.files()
+            described_by.append(self.depth.scale.file)
+        if self.mesh is not None:
+            said.append(f"the mesh {self.mesh} is given")
+            files.append((self.mesh, _mesh_size(self.mesh)))
+        fingerprint = files_fingerprint(self.path, files, described_by)
         return Capture(
             self.path,
             shown,
@@ -101,7 +112,16 @@ class Recording:
                 for r in self.readers
             ],
             straightened=[view.lens != PINHOLE for view in self.views],
+            depth=self.depth,
+            mesh=self.mesh,
         )
+
+
+def _mesh_size(mesh: Path) -> int:
+    try:
+        return mesh.stat().st_size
+    except OSError as error:
+        raise InputError(mesh, f"cannot be read ({error.strerror})", "give a mesh as PLY, OBJ or GLB") from error
 
 
 def _said_of(downscale: int, reductions: Mapping[str, int]) -> list[str]:

@@ -15,6 +15,7 @@ from hgs_core.check.dead_cameras import judge_dead
 from hgs_core.check.epipolar import Pair, Pairs, Rig, camera_errors, pair_errors
 from hgs_core.check.evidence import Evidence, gather
 from hgs_core.check.findings import CameraResult, CaptureCheck, Finding
+from hgs_core.check.given_depth import judge_given_depth
 from hgs_core.check.given_masks import judge_masks
 from hgs_core.check.interlacing import judge_interlacing
 from hgs_core.check.left_handed import judge_left_handed
@@ -82,6 +83,8 @@ def check_capture(capture: Capture, progress: ProgressCallback = silent) -> Capt
     findings += _unsynchronous(names, ahead, apart, {name for finding in moving for name in finding.cameras})
     findings += judge_pictures(names, seen.views, _blank(names, watched))
     findings += judge_number(seen.cameras) + judge_masks(names, [view.masks for view in seen.views])
+    given, about_given = judge_given_depth(capture)
+    findings += about_given
     findings += judge_rates(capture.path, names) + judge_interlacing(capture)
     errors = suspects.errors if pairs else tuple(camera_errors(len(names), {}, pairs))
     results = tuple(
@@ -98,7 +101,9 @@ def check_capture(capture: Capture, progress: ProgressCallback = silent) -> Capt
     findings += judge_left_out(len(names), capture.left_out)
     findings.sort(key=lambda finding: not finding.stops)
     shown = shown_pairs(seen, rig, pair_errors(rig, pairs), suspects)
-    return CaptureCheck(results, tuple(findings), shown, seen.frames, max(camera.width for camera in seen.cameras))
+    return CaptureCheck(
+        results, tuple(findings), shown, seen.frames, max(camera.width for camera in seen.cameras), tuple(given)
+    )
 
 
 def _moving_cameras(names: list[str], seen: Evidence) -> list[Finding]:

@@ -78,6 +78,7 @@ class CaptureCheck:
     shown: tuple[ShownPair, ...]
     frames: tuple[int, ...]  # checked frames
     width: int  # pixels of the largest picture that was looked at
+    given: tuple[str, ...] = ()  # sentences on given depth maps and meshes
 
     @property
     def stops(self) -> tuple[Finding, ...]:
@@ -115,6 +116,7 @@ class CaptureCheck:
             tuple(_pair(one) for one in value["shown"]),
             tuple(value["frames"]),
             value["width"],
+            tuple(value.get("given", ())),
         )
 
     def table(self) -> str:
@@ -130,6 +132,7 @@ class CaptureCheck:
             + (f"  {marked[row[0]]}" if row is not head and row[0] in marked else "")
             for row in rows
         ]
+        lines += self.given
         lines += [("stop: " if finding.stops else "look: ") + finding.sentence() for finding in self.findings]
         return "\n".join(lines if self.findings else [*lines, "nothing stands out"])
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,7 +13,10 @@ from hgs_core.base.cores import core_pool
 from hgs_core.points.visibility import pixels_inside
 from hgs_core.scene.camera import Camera
 
-__all__ = ["DepthMap", "SweptPoints", "points_of_maps"]
+__all__ = ["DepthMap", "GivenDepth", "SweptPoints", "no_depth", "points_of_maps", "with_known"]
+
+GivenDepth = Callable[[int, Camera], npt.NDArray[np.float32] | None]
+"""Known depths [H, W] of the picture of a place among the cameras, at the size of a camera; 0 or None: none known."""
 
 
 @dataclass(frozen=True)
@@ -37,6 +40,17 @@ class DepthMap:
 
     step: int
     depths: npt.NDArray[np.float64]  # [h, w]
+
+
+def no_depth(view: int, size: Camera) -> None:
+    """Return no depths."""
+
+
+def with_known(found: DepthMap, known: npt.NDArray[np.float32] | None, left_out: npt.NDArray[np.bool_]) -> DepthMap:
+    """Return a map with known depths [h, w] in place of its own, but for the pixels left out."""
+    if known is None:
+        return found
+    return DepthMap(found.step, np.where((known > 0) & ~left_out, known.astype(np.float64), found.depths))
 
 
 def points_of_maps(

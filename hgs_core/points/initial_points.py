@@ -10,6 +10,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -21,6 +22,7 @@ from hgs_core.decompose.masks import MotionMasks
 from hgs_core.native import library
 from hgs_core.points.backdrop import Backdrop
 from hgs_core.points.depth_map import SweptPoints
+from hgs_core.points.given_surfaces import GivenSurfaces
 from hgs_core.points.multi_view_stereo import multi_view_stereo
 from hgs_core.points.neighbours import mean_neighbour_distance, thin
 from hgs_core.points.pictures_of_moments import seen_at, still_pictures
@@ -31,6 +33,7 @@ from hgs_core.points.scene_flow import point_velocities
 from hgs_core.points.sfm import triangulate
 from hgs_core.points.surface_normals import surface_normals
 from hgs_core.points.sweep import depth_ranges, sweep
+from hgs_core.scene.camera import Camera
 
 __all__ = ["PointSearch", "Ranges"]
 
@@ -60,6 +63,10 @@ class PointSearch:
     stereo: bool = True
     continued: bool = True
     normals: bool = False
+
+    @cached_property
+    def _surfaces(self) -> GivenSurfaces:
+        return GivenSurfaces(self.capture, self.masks)
 
     def __post_init__(self) -> None:
         """Check the number of cameras.
@@ -93,7 +100,15 @@ class PointSearch:
         still = features.take(features.dynamic < _MOVING_SHARE)
         missing = max(0, self.static_target - len(still))
         seeds = _static_seeds(
-            self.capture, self.cameras, self.masks, ranges, missing, self.stereo, self.continued, generator
+            self.capture,
+            self.cameras,
+            self.masks,
+            ranges,
+            missing,
+            self.stereo,
+            self.continued,
+            generator,
+            self._surfaces,
         )
         still = PointCloud.concatenate([still, seeds])
         still = _spaced(_reduced(still, self.static_target, generator))
@@ -119,7 +134,9 @@ class PointSearch:
                 known = _sparse(self.capture, group, self.masks, whole=False)
             moving = known.take(known.dynamic >= _MOVING_SHARE)
             near = [ranges[self.cameras.index(index)] for index in group.cameras]
-            seeds = _dynamic_seeds(self.capture, group, self.masks, near, max(0, share - len(moving)), generator)
+            seeds = _dynamic_seeds(
+                self.capture, group, self.masks, near, max(0, share - len(moving)), generator, self._surfaces
+            )
             moving = _spaced(_reduced(PointCloud.concatenate([moving, seeds]), share, generator))
             velocity = point_velocities(self.capture, group, self.masks, moving.xyz)
             parts.append(dataclasses.replace(moving, velocity=velocity))
@@ -147,6 +164,7 @@ def _static_seeds(
     stereo: bool,
     continued: bool,
     generator: np.random.Generator,
+    surfaces: GivenSurfaces,
 ) -> PointCloud:
     """Find the surfaces of the pictures' median over time, which nothing that moves disturbs.
 
@@ -157,12 +175,16 @@ def _static_seeds(
     backgrounds = still_pictures(capture, masks, cameras)
     pictures = [picture for picture, _ in backgrounds]
     trusted = [mask for _, mask in backgrounds]
+
+    def known(view: int, size: Camera) -> npt.NDArray[np.float32] | None:
+        return surfaces.still(cameras[view], size)
+
     if stereo and library.available():
-        swept = multi_view_stereo(views, pictures, trusted, ranges, continued=continued)
+        swept = multi_view_stereo(views, pictures, trusted, ranges, continued=continued, known=known)
         chosen = np.sort(generator.permutation(len(swept.xyz))[:count])
     else:
         count = min(count, _MOST_COARSE_POINTS)
-        swept = sweep(views, pictures, trusted, ranges, count * _RAYS_PER_POINT)
+        swept = sweep(views, pictures, trusted, ranges, count * _RAYS_PER_POINT, known=known)
         chosen = _choose(swept, count, generator)
     return _cloud(swept.xyz[chosen], swept.rgb[chosen], float(capture.times[0]), np.zeros(len(chosen), np.float32))
 
@@ -174,13 +196,17 @@ def _dynamic_seeds(
     ranges: Ranges,
     count: int,
     generator: np.random.Generator,
+    surfaces: GivenSurfaces,
 ) -> PointCloud:
     """Sweep the moving pixels of one moment inside the visual hull of the masks."""
     views, pictures, moving = seen_at(capture, moment, masks)
     if count == 0 or not any(mask.any() for mask in moving):
         return PointCloud.concatenate([])
 
-    swept = sweep(views, pictures, moving, ranges, count * _RAYS_PER_POINT, moving)
+    def known(view: int, size: Camera) -> npt.NDArray[np.float32] | None:
+        return surfaces.at(moment.cameras[view], moment.frames[view])
+
+    swept = sweep(views, pictures, moving, ranges, count * _RAYS_PER_POINT, moving, known)
     chosen = _choose(swept, count, generator)
     chosen = chosen[swept.agreeing[chosen] > 0]  # rather too few: a wrong moving point is in the way of the view
     share = label_points(views, moving, swept.xyz[chosen])

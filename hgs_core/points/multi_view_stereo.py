@@ -18,7 +18,7 @@ from hgs_core.base.cores import core_pool
 from hgs_core.capture.pictures.picture import reduced_mask, reduced_picture
 from hgs_core.native.plane_sweep import plane_sweep
 from hgs_core.points.depth_completion import completed
-from hgs_core.points.depth_map import DepthMap, SweptPoints, points_of_maps
+from hgs_core.points.depth_map import DepthMap, GivenDepth, SweptPoints, no_depth, points_of_maps, with_known
 from hgs_core.points.visibility import nearest_cameras
 from hgs_core.scene.camera import Camera
 
@@ -41,12 +41,13 @@ def multi_view_stereo(
     ranges: Sequence[tuple[float, float]],  # nearest and farthest depth of each camera
     *,
     continued: bool = True,
+    known: GivenDepth = no_depth,
 ) -> SweptPoints:
     """Return the points of surfaces that the wanted pixels show; the same bits for any number of threads.
 
     A third of the other views in whose pictures a point falls agree on it, and two at least, or the only other one; few
-    see through it. Where a point falls in no other picture, the surfaces that were found so go on if they are
-    `continued`. A single picture shows none.
+    see through it. A `known` depth needs no view to agree. Where a point falls in no other picture, the surfaces that
+    were found so go on if they are `continued`. A single picture shows none.
 
     Raises:
         RuntimeError: no compiled kernels (`hgs_core.native.library.available`).
@@ -57,6 +58,8 @@ def multi_view_stereo(
     grey = [np.ascontiguousarray(picture.mean(axis=2, dtype=np.float32) / np.float32(255)) for picture in small]
     neighbours = nearest_cameras(cameras, _NEIGHBOUR_VIEWS)
 
+    given = [known(view, size) for view, size in enumerate(smaller)]
+
     def sweep(view: int) -> DepthMap:
         near, far = ranges[view]
         count = _depth_count(smaller[view], [cameras[other] for other in neighbours[view]], near, far)
@@ -64,7 +67,7 @@ def multi_view_stereo(
         sources = [(smaller[other], grey[other]) for other in neighbours[view]]
         places, _ = plane_sweep(smaller[view], grey[view], sources, 1 / inverse)
         depths = 1 / (1 / near + places.astype(np.float64) * (1 / far - 1 / near) / (count - 1))
-        return DepthMap(1, np.where(left_out[view], 0.0, depths))
+        return with_known(DepthMap(1, np.where(left_out[view], 0.0, depths)), given[view], left_out[view])
 
     def complete(found: DepthMap, mask: npt.NDArray[np.bool_], known: npt.NDArray[np.bool_]) -> DepthMap:
         inverse = completed(1 / np.where(known, found.depths, 1.0), known)
@@ -72,11 +75,11 @@ def multi_view_stereo(
 
     with core_pool() as pool:
         maps = list(pool.map(sweep, range(len(cameras))))
-        surfaces = _masks(maps, _is_surface(_points(smaller, small, maps)))
+        surfaces = _masks(maps, _are_surfaces(_points(smaller, small, maps), maps, given))
         maps = list(pool.map(complete, maps, left_out, surfaces))
     points = _points(smaller, small, maps)
     alone = (points.facing == 0) & continued
-    return points.take(_is_surface(points) | alone)
+    return points.take(_are_surfaces(points, maps, given) | alone)
 
 
 def _depth_count(camera: Camera, others: Sequence[Camera], near: float, far: float) -> int:
@@ -92,10 +95,29 @@ def _points(
     return points_of_maps(cameras, pictures, maps, agreement=_AGREEMENT, beyond=_BEYOND)
 
 
+def _are_surfaces(
+    points: SweptPoints, maps: Sequence[DepthMap], given: Sequence[npt.NDArray[np.float32] | None]
+) -> npt.NDArray[np.bool_]:
+    """Return which points of the maps count: those that views agree on, and given ones that few see through."""
+    return np.asarray(_is_surface(points) | (_are_known(maps, given) & _few_see_through(points)))
+
+
 def _is_surface(points: SweptPoints) -> npt.NDArray[np.bool_]:
     least = np.clip(np.ceil(points.facing * _AGREEING_SHARE), np.minimum(_AGREEING_VIEWS, points.facing), None)
-    few_see_through = points.opposed * _AGREEING_FOR_ONE_OPPOSED <= points.agreeing
-    return np.asarray((points.facing > 0) & (points.agreeing >= least) & few_see_through)
+    return np.asarray((points.facing > 0) & (points.agreeing >= least) & _few_see_through(points))
+
+
+def _few_see_through(points: SweptPoints) -> npt.NDArray[np.bool_]:
+    return np.asarray(points.opposed * _AGREEING_FOR_ONE_OPPOSED <= points.agreeing)
+
+
+def _are_known(maps: Sequence[DepthMap], given: Sequence[npt.NDArray[np.float32] | None]) -> npt.NDArray[np.bool_]:
+    """Return which points [P] of the maps, one after the other, have a given depth."""
+    parts = [np.zeros(0, bool)]
+    for found, depths in zip(maps, given, strict=True):
+        mask = found.depths > 0
+        parts.append(np.zeros(int(mask.sum()), bool) if depths is None else depths[mask] > 0)
+    return np.concatenate(parts)
 
 
 def _masks(maps: Sequence[DepthMap], chosen: npt.NDArray[np.bool_]) -> list[npt.NDArray[np.bool_]]:

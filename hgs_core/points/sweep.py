@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from hgs_core.base.cores import core_pool
-from hgs_core.points.depth_map import DepthMap, SweptPoints, points_of_maps
+from hgs_core.points.depth_map import DepthMap, GivenDepth, SweptPoints, no_depth, points_of_maps, with_known
 from hgs_core.points.sweep_costs import BLIND_COST, colour_descriptors, sweep_costs
 from hgs_core.points.visibility import nearest_cameras, pixels_inside
 from hgs_core.scene.camera import Camera
@@ -61,8 +61,11 @@ def sweep(
     ranges: Sequence[tuple[float, float]],  # nearest and farthest depth of each camera
     rays: int,  # about how many pixels to sweep, over all pictures
     hull: Sequence[npt.NDArray[np.bool_]] = (),  # [H, W] each: three quarters of the views must be set; none: anywhere
+    known: GivenDepth = no_depth,
 ) -> SweptPoints:
     """Return the points that the wanted pixels show; the same bits for any number of threads.
+
+    Where a depth is `known`, it takes the place of the found one.
 
     A single picture shows none: there is nothing that it could agree with.
     """
@@ -70,9 +73,13 @@ def sweep(
     step = max(2, int(np.sqrt(area / max(rays, 1))))
     neighbours = nearest_cameras(cameras, _NEIGHBOUR_VIEWS)
 
+    grid = (slice(step // 2, None, step),) * 2
+    given = [None if depths is None else depths[grid].copy() for depths in map(known, range(len(cameras)), cameras)]
+
     def one(view: int) -> DepthMap:
         others = [(cameras[other], descriptors[other]) for other in neighbours[view]]
-        return _depth_map(cameras[view], descriptors[view], others, wanted[view], ranges[view], step, masks)
+        found = _depth_map(cameras[view], descriptors[view], others, wanted[view], ranges[view], step, masks)
+        return with_known(found, given[view], ~wanted[view][grid])
 
     masks = [(c, np.ascontiguousarray(mask)) for c, mask in zip(cameras, hull, strict=True)] if hull else []
     with core_pool() as pool:

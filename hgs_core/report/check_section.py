@@ -47,6 +47,7 @@ def check_section(check: CaptureCheck | None, pictures: Sequence[PairPictures]) 
         for finding in check.findings
     ]
     parts = [note(about), f"<ul>{''.join(found)}</ul>" if found else note("Nothing stood out.")]
+    parts += [note(sentence) for sentence in check.given]
     parts += [_drawn(one) for one in pictures]
     parts.append(table("Cameras", ("camera", "partners", "matches", "px", "frames ahead"), rows))
     return section("check", "The capture", parts)

@@ -30,14 +30,21 @@ log = logging.getLogger(__name__)
 
 
 def create_run(
-    run: Path, capture: Path, config: RunConfig, *, masks: Path | None = None, audio: str = "auto"
+    run: Path,
+    capture: Path,
+    config: RunConfig,
+    *,
+    masks: Path | None = None,
+    depth: Path | None = None,
+    mesh: Path | None = None,
+    audio: str = "auto",
 ) -> RunConfig:
     """Check the capture and the config and write `run`/run.json; an equal run that is there already is kept.
 
-    `masks` is a folder of masks to use instead of the capture's own; `audio` is the sound: "auto" for that of the first
-    camera with any, "camera:" and the name of one, "none", or a file. What was left out or found is logged. Returns the
-    config of the run, which names the camera that is held out where `config` leaves the choice; that of videos without
-    poses is chosen when `prepare` has found them.
+    `masks` is a folder of masks, `depth` one of depth maps and `mesh` a file to use instead of the capture's own.
+    `audio` is the sound: "auto" for that of the first camera with any, "camera:" and the name of one, "none", or a
+    file. What was left out or found is logged. Returns the config of the run, which names the camera that is held out
+    where `config` leaves the choice; that of videos without poses is chosen when `prepare` has found them.
 
     Raises:
         InputError: the capture is unusable, a held-out camera is unknown, the file has no sound, or the folder is
@@ -46,6 +53,16 @@ def create_run(
     from hgs_core.runs.sound import require_sound_file, require_sounding_video
 
     audio = require_sound_file(audio)
+    spec = RunSpec(
+        capture.resolve(),
+        "",
+        config,
+        masks and masks.resolve(),
+        prepared=False,
+        audio=audio,
+        depth=depth and depth.resolve(),
+        mesh=mesh and mesh.resolve(),
+    )
     folder = RunFolder(run)
     found = folder.found if folder.found.is_dir() else None
     if not has_poses(capture) and (found is None or not has_poses(found)) and are_enough_videos(capture):
@@ -55,12 +72,16 @@ def create_run(
         for video in videos.values():
             VideoReader(video)  # one that is none is refused now, and not when poses are looked for
         require_sounding_video(audio, videos)
-        folder.write_spec(
-            RunSpec(capture.resolve(), "", config, masks and masks.resolve(), prepared=False, audio=audio)
-        )
+        folder.write_spec(spec)
         return config
     opened = open_capture(
-        capture, masks=masks, downscale=config.capture.downscale, reductions=config.capture.reductions, found=found
+        capture,
+        masks=masks,
+        depth=depth,
+        mesh=mesh,
+        downscale=config.capture.downscale,
+        reductions=config.capture.reductions,
+        found=found,
     )
     sources = [opened.video(camera) for camera in range(len(opened.cameras))]
     require_sounding_video(
@@ -69,16 +90,9 @@ def create_run(
     config = _with_held_out(config, folder, opened)
     _require_enough(config, opened)
     prepared = not opened.unaligned or config.capture.sync == "none"
-    spec = RunSpec(
-        capture.resolve(),
-        opened.fingerprint(),
-        config,
-        masks and masks.resolve(),
-        found=found,
-        prepared=prepared,
-        audio=audio,
+    folder.write_spec(
+        dataclasses.replace(spec, fingerprint=opened.fingerprint(), config=config, found=found, prepared=prepared)
     )
-    folder.write_spec(spec)
     for source in sources:
         if source is not None:
             indexed_packets(source[0], folder.videos)  # packets in memory, written for other processes
@@ -130,7 +144,13 @@ def prepare(run: Path, progress: ProgressCallback) -> None:
     spec = dataclasses.replace(spec, found=found, prepared=True)
     reduced = spec.config.capture
     opened = open_capture(
-        spec.capture, masks=spec.masks, downscale=reduced.downscale, reductions=reduced.reductions, found=found
+        spec.capture,
+        masks=spec.masks,
+        depth=spec.depth,
+        mesh=spec.mesh,
+        downscale=reduced.downscale,
+        reductions=reduced.reductions,
+        found=found,
     )
     config = _with_held_out(spec.config, folder, opened)
     _require_enough(config, opened)

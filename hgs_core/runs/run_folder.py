@@ -40,6 +40,8 @@ class RunSpec:
     prepared: bool = True  # False: cameras, or when the videos began, are still to be found
     edited: bool = False  # then without a capture
     audio: str = "auto"  # the sound: of the capture, "camera:" and a name, "none", or a file
+    depth: Path | None = None  # a folder of depth maps that replaces the capture's own
+    mesh: Path | None = None  # a mesh that replaces the capture's own
 
     def open_capture(self, *, cache_bytes: int = 1 << 30, index: Path | None = None) -> Capture:
         """Open the capture as the run sees it: with its masks and at its resolution; `index` as `open_capture` has it.
@@ -62,6 +64,8 @@ class RunSpec:
         capture = open_capture(
             self.capture,
             masks=self.masks,
+            depth=self.depth,
+            mesh=self.mesh,
             downscale=reduced.downscale,
             reductions=reduced.reductions,
             cache_bytes=cache_bytes,
@@ -155,8 +159,9 @@ class RunFolder:
             "fingerprint": spec.fingerprint,
             "config": spec.config.to_json(),
         }
-        if spec.masks is not None:
-            value["masks"] = str(spec.masks)
+        for name, path in (("masks", spec.masks), ("depth", spec.depth), ("mesh", spec.mesh)):
+            if path is not None:
+                value[name] = str(path)
         if spec.without_capture:
             value["without_capture"] = True
         if spec.found is not None:
@@ -208,14 +213,14 @@ class RunFolder:
         try:
             value: dict[str, Any] = json.loads(self.spec.read_text())
             config = RunConfig.from_json(value["config"])
-            masks = Path(value["masks"]) if "masks" in value else None
+            masks, depth, mesh = (Path(value[name]) if name in value else None for name in ("masks", "depth", "mesh"))
             without = bool(value.get("without_capture", False))
             found = self.found if value.get("found", False) else None
             prepared = bool(value.get("prepared", True))
             edited = bool(value.get("edited", False))
             capture, fingerprint = Path(value["capture"]), str(value["fingerprint"])
             audio = str(value.get("audio", "auto"))
-            return RunSpec(capture, fingerprint, config, masks, without, found, prepared, edited, audio)
+            return RunSpec(capture, fingerprint, config, masks, without, found, prepared, edited, audio, depth, mesh)
         except FileNotFoundError as error:
             raise InputError(self.path, "is not a run: it has no run.json", "make one with hgs train") from error
         except InputError as error:

@@ -105,6 +105,8 @@ def initialise(run: Path, progress: ProgressCallback) -> None:
             run,
             angle_to_next(views),
         )
+        if capture.depth is not None or capture.mesh is not None:
+            log.warning("%s: cameras so far apart use no given depth and no mesh", run)
     search = (HullSearch if far_apart else PointSearch)(
         capture,
         cameras,
@@ -162,6 +164,8 @@ def train_scene(
     config: RunConfig | None = None,
     *,
     masks: Path | None = None,
+    depth: Path | None = None,
+    mesh: Path | None = None,
     audio: str = "auto",
     progress: ProgressCallback = silent,
     checked: Callable[[CaptureCheck], None] = lambda result: None,
@@ -175,6 +179,8 @@ def train_scene(
         out: folder of the run: new, empty, or of an equal run to resume or to keep.
         config: how to go about it; by default the preset "standard".
         masks: a folder of masks, `<camera>/<FFFF>.png`, to use instead of the capture's own.
+        depth: a folder of depth maps with their depth.json, to use instead of the capture's own.
+        mesh: a PLY, OBJ or GLB file of triangles, to use instead of the capture's own.
         audio: what is heard: "auto" for the sound of the first camera that has any, "camera:" and the name of one,
             "none", or a file with sound.
         progress: called after every step of a stage; it may raise `StageStopped` to stop.
@@ -198,7 +204,7 @@ def train_scene(
         ['chunks', 'manifest.json', 'thumbnail.jpg']
     """
     new = not RunFolder(out).spec.exists()
-    create_run(out, capture, config or RunConfig(), masks=masks, audio=audio)
+    create_run(out, capture, config or RunConfig(), masks=masks, depth=depth, mesh=mesh, audio=audio)
     try:
         need = require_room(out)
     except InputError:

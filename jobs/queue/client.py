@@ -37,7 +37,15 @@ class CreateRun(Protocol):
     """The beginning of a run, as in `hgs_core.runs.creation.create_run`."""
 
     def __call__(  # noqa: D102
-        self, run: Path, capture: Path, config: RunConfig, *, masks: Path | None, audio: str
+        self,
+        run: Path,
+        capture: Path,
+        config: RunConfig,
+        *,
+        masks: Path | None,
+        depth: Path | None,
+        mesh: Path | None,
+        audio: str,
     ) -> RunConfig: ...
 
 
@@ -71,7 +79,7 @@ class JobClient:
             raise
 
     def submit(self, request: JobRequest) -> str:
-        """Check the capture, the masks and the sound, create its run folder, queue the job and return the job's id.
+        """Check the capture and the files beside it, create its run folder, queue the job and return the job's id.
 
         A request with the key of an earlier one makes no second job; the id is that of the first.
 
@@ -91,7 +99,15 @@ class JobClient:
         run = self.home.run(job_id)
         create_run: CreateRun = self._create_run or importlib.import_module(self.home.pipeline).create_run
         try:
-            config = create_run(run, capture, request.config, masks=request.masks, audio=request.audio)
+            config = create_run(
+                run,
+                capture,
+                request.config,
+                masks=request.masks,
+                depth=request.depth,
+                mesh=request.mesh,
+                audio=request.audio,
+            )
             job = Job(
                 id=job_id,
                 title=title,

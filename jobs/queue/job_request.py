@@ -43,6 +43,8 @@ class JobRequest:
     time_limit: float = 0.0  # seconds that an attempt may take once a worker has taken it; 0: any
     webhook: str = ""  # a URL that is told when the job ends
     key: str = ""  # idempotency key: the same request with the same key is the same job
+    depth: Path | None = None  # a folder of depth maps to use instead of the capture's own
+    mesh: Path | None = None  # a mesh to use instead of the capture's own
 
     def __post_init__(self) -> None:
         """Check the texts shown to people.
@@ -54,8 +56,8 @@ class JobRequest:
         require_storable("title", self.title, MAX_TITLE)
         if one_line(self.title) != self.title:
             raise InputError.of_field("title", f"{self.title!a} holds control characters", "give one line of text")
-        for field, path in (("capture", self.capture), ("masks", self.masks or ""), ("audio", self.audio)):
-            require_storable(field, str(path), MAX_PATH)
+        for field in ("capture", "masks", "depth", "mesh", "audio"):
+            require_storable(field, str(getattr(self, field) or ""), MAX_PATH)
         object.__setattr__(self, "labels", checked_labels(self.labels))
         if not -MAX_PRIORITY <= self.priority <= MAX_PRIORITY:
             raise InputError.of_field(
@@ -87,6 +89,7 @@ class JobRequest:
         ]
         if self.audio != "auto":  # keys that were given before there was a choice still hold
             asked.append(self.audio)
+        asked += [f"{name} {path}" for name, path in (("depth", self.depth), ("mesh", self.mesh)) if path is not None]
         return hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()
 
 

@@ -100,15 +100,16 @@ def _create(request: dict[str, Any], home: Home) -> Iterator[dict[str, Any]]:
     from server.captures.capture_outlines import require_bounded_tables
 
     def create() -> dict[str, Any]:
-        capture, masks = Path(request["capture"]), request["masks"]
+        capture = Path(request["capture"])
+        given = {name: request[name] and Path(request[name]) for name in ("masks", "depth", "mesh")}
         require_bounded_tables(capture)
         pipeline = importlib.import_module(home.pipeline)
         config = pipeline.create_run(
             Path(request["run"]),
             capture,
             RunConfig.from_json(request["config"]),
-            masks=masks and Path(masks),
             audio=request["audio"],
+            **given,
         )
         return {"config": config.to_json()}
 

@@ -13,6 +13,7 @@ import time
 from collections import OrderedDict
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from hgs_core.base.atomic import write_bytes
 from hgs_core.base.errors import InputError
@@ -48,20 +49,36 @@ class LimitedCreation:
         self._kept: OrderedDict[str, _Kept] = OrderedDict()
         self._lock = threading.Lock()
 
-    def create_run(self, run: Path, capture: Path, config: RunConfig, *, masks: Path | None, audio: str) -> RunConfig:
+    def create_run(
+        self,
+        run: Path,
+        capture: Path,
+        config: RunConfig,
+        *,
+        masks: Path | None,
+        depth: Path | None,
+        mesh: Path | None,
+        audio: str,
+    ) -> RunConfig:
         """Check the capture and the config and write `run`/run.json, as the pipeline does.
 
         Raises:
             InputError: the capture or the config is unusable, or no process can read the capture.
             OSError: the disk is full.
         """
-        asked = [str(capture), config.to_json(), masks and str(masks), audio]
-        marks = [files_mark(one) for one in (capture, masks, Path(audio)) if one is not None]
+        given = {"masks": masks, "depth": depth, "mesh": mesh}
+        asked = {
+            "capture": str(capture),
+            "config": config.to_json(),
+            "audio": audio,
+            **{name: path and str(path) for name, path in given.items()},
+        }
+        marks = [files_mark(one) for one in (capture, *given.values(), Path(audio)) if one is not None]
         key = hashlib.sha256(json.dumps([asked, marks], sort_keys=True).encode()).hexdigest()
         with self._lock:
             kept = self._kept.get(key)
         if kept is None or time.monotonic() > kept.until or (kept.config is not None and not kept.spec):
-            kept = self._look(run, capture, config, masks, audio)
+            kept = self._look(run, capture, asked)
             with self._lock:
                 self._kept[key] = kept
                 while len(self._kept) > _MOST_KEPT:
@@ -72,15 +89,8 @@ class LimitedCreation:
             raise kept.refusal or InputError(capture, "cannot be read")
         return kept.config
 
-    def _look(self, run: Path, capture: Path, config: RunConfig, masks: Path | None, audio: str) -> _Kept:
-        request = {
-            "run": str(run),
-            "capture": str(capture),
-            "config": config.to_json(),
-            "masks": masks and str(masks),
-            "audio": audio,
-            "seconds": _SECONDS,
-        }
+    def _look(self, run: Path, capture: Path, asked: dict[str, Any]) -> _Kept:
+        request = {"run": str(run), "seconds": _SECONDS, **asked}
         try:
             (answer,) = self._readers.read("create", request, _WALL_SECONDS)
             found, spec = answered(answer, capture), RunFolder(run).spec

@@ -13,7 +13,7 @@ from hgs_core.base.writable import require_writable_file
 from server.cli.interrupts import Interrupts
 from server.cli.json_output import JsonOutput
 from server.cli.progress_bars import ProgressBars
-from server.cli.training_options import add_masks_option
+from server.cli.training_options import add_given_options
 
 if TYPE_CHECKING:
     from hgs_core.capture.cameras.corrected_poses import CorrectedCamera
@@ -33,7 +33,7 @@ def add_parser(commands: Any) -> None:
         description="Find wrong poses, lenses, clocks, masks and pictures of a capture. hgs train does it first.",
     )
     parser.add_argument("capture", metavar="CAPTURE", type=Path, help="folder of a multi-view capture")
-    add_masks_option(parser)
+    add_given_options(parser)
     parser.add_argument(
         "--fix-poses",
         action="store_true",
@@ -78,7 +78,7 @@ def _run(options: argparse.Namespace) -> int:
 def _opened(options: argparse.Namespace) -> Capture:
     from hgs_core.capture.open import open_capture
 
-    capture = open_capture(options.capture, masks=options.masks)
+    capture = open_capture(options.capture, masks=options.masks, depth=options.depth, mesh=options.mesh)
     for note in capture.notes:
         print(f"{options.capture}: {note}", file=sys.stderr)
     return capture

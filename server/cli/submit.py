@@ -13,7 +13,7 @@ from server.cli.job_options import add_job_options, job_options
 from server.cli.job_words import no_worker
 from server.cli.progress_bars import ProgressBars
 from server.cli.server_client import add_patience_option
-from server.cli.training_options import add_audio_option, add_masks_option, add_training_options, training_config
+from server.cli.training_options import add_audio_option, add_given_options, add_training_options, training_config
 
 __all__ = ["add_parser"]
 
@@ -41,7 +41,7 @@ def add_parser(commands: Any) -> None:
     )
     add_patience_option(parser)
     add_job_options(parser)
-    add_masks_option(parser)
+    add_given_options(parser)
     add_audio_option(parser, "auto", "default: auto")
     add_training_options(parser)
     parser.set_defaults(run=_run)
@@ -59,7 +59,14 @@ def _run(options: argparse.Namespace) -> int:
     from jobs.queue.job_request import JobRequest
 
     request = JobRequest(
-        options.capture, config, options.title, options.masks, require_sound_file(options.audio), **job_options(options)
+        options.capture,
+        config,
+        options.title,
+        options.masks,
+        require_sound_file(options.audio),
+        depth=options.depth,
+        mesh=options.mesh,
+        **job_options(options),
     )
     with JobClient(Home.from_environment()) as client:
         job_id = client.submit(request)

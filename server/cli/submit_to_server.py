@@ -40,8 +40,13 @@ def submit_to_server(options: argparse.Namespace) -> int:
     asked = job_options(options)
     key = asked.pop("key") or secrets.token_hex(16)
     settings = job_settings(options) | asked
-    if options.masks is not None:
-        raise InputError("--masks", "masks are sent with the capture", "put the folder into it, as masks/")
+    for name, given, place in (
+        ("--masks", options.masks, "masks/"),
+        ("--depth", options.depth, "depth/"),
+        ("--mesh", options.mesh, "mesh.ply, mesh.obj or mesh.glb"),
+    ):
+        if given is not None:
+            raise InputError(name, "what is given is sent with the capture", f"put it into the folder, as {place}")
     if (audio := _sent_sound(options)) != OWN_SOUND:
         settings["audio"] = audio
     archive_ending(options.capture)  # ahead of any request

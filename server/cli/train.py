@@ -12,7 +12,7 @@ from hgs_core.base.progress import Progress, StageStopped
 from hgs_core.base.writable import require_writable_folder
 from server.cli.interrupts import Interrupts
 from server.cli.progress_bars import ProgressBars
-from server.cli.training_options import add_audio_option, add_masks_option, add_training_options, training_config
+from server.cli.training_options import add_audio_option, add_given_options, add_training_options, training_config
 
 if TYPE_CHECKING:
     from hgs_core.check.findings import CaptureCheck
@@ -28,7 +28,7 @@ def add_parser(commands: Any) -> None:
     )
     parser.add_argument("capture", metavar="CAPTURE", type=Path, help="folder of a multi-view capture")
     parser.add_argument("--out", metavar="RUN", type=Path, required=True, help="folder of the run")
-    add_masks_option(parser)
+    add_given_options(parser)
     add_audio_option(parser, "auto", "default: auto")
     add_training_options(parser)
     parser.set_defaults(run=_run)
@@ -67,6 +67,8 @@ def _run(options: argparse.Namespace) -> int:
                 options.out,
                 config,
                 masks=options.masks,
+                depth=options.depth,
+                mesh=options.mesh,
                 audio=options.audio,
                 progress=report,
                 checked=show,

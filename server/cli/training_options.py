@@ -12,7 +12,7 @@ from hgs_core.base.errors import InputError
 from hgs_core.capture.capture_config import SYNC_BY
 from hgs_core.runs.run_config import PRESETS, RunConfig
 
-__all__ = ["add_audio_option", "add_masks_option", "add_training_options", "job_settings", "training_config"]
+__all__ = ["add_audio_option", "add_given_options", "add_training_options", "job_settings", "training_config"]
 
 
 def add_training_options(parser: argparse.ArgumentParser, hold_out: str = "auto") -> None:
@@ -62,13 +62,25 @@ def _reductions(text: str) -> tuple[int | None, list[str]]:
     return int(whole[0]) if whole else None, [part for part in parts if "=" in part]
 
 
-def add_masks_option(parser: argparse.ArgumentParser) -> None:
-    """Add --masks."""
+def add_given_options(parser: argparse.ArgumentParser) -> None:
+    """Add --masks, --depth and --mesh."""
     parser.add_argument(
         "--masks",
         metavar="FOLDER",
         type=Path,
         help="masks of what moves, <camera>/<FFFF>.png, to use instead of the capture's own (docs/captures.md)",
+    )
+    parser.add_argument(
+        "--depth",
+        metavar="FOLDER",
+        type=Path,
+        help="depth maps of a lidar or a network, <camera>.png of 16 bits or .exr, and depth.json (docs/captures.md)",
+    )
+    parser.add_argument(
+        "--mesh",
+        metavar="FILE",
+        type=Path,
+        help="a surface in the cameras' world: .ply, .obj or .glb (docs/captures.md)",
     )
 
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import silent
@@ -156,3 +157,19 @@ def test_without_kernels_a_coarse_sweep_has_to_do(
         monkeypatch.undo()
         library._loaded.cache_clear()
     assert 1_000 < (points.dynamic < 0.5).sum() <= 6_500
+
+
+def test_given_depth_gives_points_where_the_pictures_agree_with_it_or_see_less(
+    capture: Capture, masks: MotionMasks, tmp_path: Path
+) -> None:
+    """A wall behind all others, known to one camera: no other sees through it."""
+    camera = capture.cameras[VIEWS[2]]
+    Image.fromarray(np.full((camera.height, camera.width), 7000, np.uint16)).save(tmp_path / f"{camera.name}.png")
+    (tmp_path / "depth.json").write_text('{"scale": 0.001}')
+    given = open_capture(capture.path, depth=tmp_path)
+    given.__class__ = OnlyViews
+    points = found(given, masks)
+    still = points.xyz[points.dynamic < 0.5]
+    _, depths = camera.project(still)
+    assert np.isclose(depths, 7.0, rtol=1e-5).sum() > 100
+    assert len(still) <= TARGETS["static_target"]

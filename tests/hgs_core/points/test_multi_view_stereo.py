@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hgs_core.points.depth_map import SweptPoints
+from hgs_core.points.depth_map import GivenDepth, SweptPoints
 from hgs_core.points.multi_view_stereo import multi_view_stereo
 from hgs_core.scene.camera import Camera
 
@@ -98,3 +98,26 @@ def test_large_pictures_are_reduced() -> None:
     found = multi_view_stereo(cameras, large, [np.ones(picture.shape[:2], bool) for picture in large], RANGES[:2])
     assert 10_000 < len(found.xyz) <= 2 * 61_000
     assert np.median(np.abs(found.xyz[:, 2] / WALL - 1)) < 0.01
+
+
+def given_to_first(depths: np.ndarray) -> GivenDepth:
+    """Depths of the first picture alone, at any size."""
+    return lambda view, size: depths if view == 0 else None
+
+
+def test_known_depths_take_the_place_of_those_found(points: SweptPoints) -> None:
+    """Nearly at the wall, so that other pictures agree."""
+    depths = np.full((HEIGHT, WIDTH), np.float32(WALL * 1.004))
+    depths[:, :20] = 0
+    pictures = [photograph(camera) for camera in CAMERAS]
+    found = multi_view_stereo(CAMERAS, pictures, EVERYWHERE, RANGES, known=given_to_first(depths))
+    exact = np.isclose(found.xyz[:, 2], WALL * 1.004, rtol=1e-6).sum()
+    assert exact > 0.95 * HEIGHT * (WIDTH - 20)
+
+
+def test_known_depths_that_other_pictures_see_through_are_left_out() -> None:
+    depths = np.full((HEIGHT, WIDTH), np.float32(WALL / 2))
+    pictures = [photograph(camera) for camera in CAMERAS]
+    found = multi_view_stereo(CAMERAS, pictures, EVERYWHERE, RANGES, known=given_to_first(depths))
+    seen_by_others = (found.xyz[:, 2] < 0.6 * WALL) & (found.facing > 0)
+    assert seen_by_others.sum() < 0.01 * HEIGHT * WIDTH

@@ -88,3 +88,16 @@ def test_what_is_before_the_cameras_stays_in_their_range() -> None:
 
 def test_without_points_there_is_still_a_range() -> None:
     assert all(0 < near < far for near, far in depth_ranges(CAMERAS, np.zeros((0, 3))))
+
+
+def test_known_depths_take_the_place_of_those_found(swept: SweptPoints) -> None:
+    """Twice as far, in the left half of the first picture."""
+    depths = np.full((72, 96), np.float32(2 * WALL))
+    depths[:, 48:] = 0
+    wanted = [np.ones((72, 96), bool)] + [np.zeros((72, 96), bool)] * (len(CAMERAS) - 1)
+    pictures = [photograph(camera) for camera in CAMERAS]
+    ranges = [(1.0, 10.0)] * len(CAMERAS)
+    points = sweep(CAMERAS, pictures, wanted, ranges, 500, known=lambda view, _: None if view else depths)
+    left = CAMERAS[0].project(points.xyz)[0][:, 0] < 48
+    np.testing.assert_allclose(points.xyz[left, 2], 2 * WALL, rtol=1e-6)
+    assert np.abs(points.xyz[~left, 2] - WALL).max() < WALL / 2

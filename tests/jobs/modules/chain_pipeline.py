@@ -31,9 +31,7 @@ def chain(iterations: int) -> bytes:
     return static_chunk(state)
 
 
-def create_run(
-    run: Path, capture: Path, config: RunConfig, *, masks: Path | None = None, audio: str = "auto"
-) -> RunConfig:
+def create_run(run: Path, capture: Path, config: RunConfig, *, audio: str = "auto", **given: Path | None) -> RunConfig:
     settings = {"capture": str(capture), "iterations": config.train.iterations}
     write_bytes(run / "run.json", json.dumps(settings).encode())
     return config

@@ -33,9 +33,7 @@ CHECKPOINT_EVERY = 5
 SECONDS_PER_ITERATION = 0.02
 
 
-def create_run(
-    run: Path, capture: Path, config: RunConfig, *, masks: Path | None = None, audio: str = "auto"
-) -> RunConfig:
+def create_run(run: Path, capture: Path, config: RunConfig, *, audio: str = "auto", **given: Path | None) -> RunConfig:
     if not (capture / "behaviour").is_file():
         raise InputError(capture, "has no file `behaviour`")
     run.mkdir(parents=True)

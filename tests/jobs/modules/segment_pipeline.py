@@ -22,9 +22,7 @@ from tests.chunks import dynamic_chunk, static_chunk
 from tests.growing import growing_manifest
 
 
-def create_run(
-    run: Path, capture: Path, config: RunConfig, *, masks: Path | None = None, audio: str = "auto"
-) -> RunConfig:
+def create_run(run: Path, capture: Path, config: RunConfig, *, audio: str = "auto", **given: Path | None) -> RunConfig:
     run.mkdir(parents=True)
     numbers = {name: float((capture / name).read_text()) for name in ("segments", "pace")}
     write_bytes(run / "run.json", json.dumps(numbers | {"iterations": config.train.iterations}).encode())

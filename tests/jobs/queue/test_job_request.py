@@ -49,6 +49,8 @@ def test_the_digest_is_of_all_that_is_asked_for(tmp_path: Path) -> None:
         {"priority": 1},
         {"time_limit": 5.0},
         {"masks": tmp_path},
+        {"depth": tmp_path},
+        {"mesh": tmp_path},
         {"audio": "none"},
         {"config": RunConfig().changed({"train.iterations": 7})},
         {"capture": tmp_path / "b"},

@@ -47,6 +47,8 @@ def test_a_run_is_begun_as_the_pipeline_does(home: Home, tmp_path: Path) -> None
         "capture": str(tmp_path / "capture"),
         "config": config.to_json(),
         "masks": None,
+        "depth": None,
+        "mesh": None,
         "audio": "none",
         "seconds": 60,
     }
@@ -81,7 +83,7 @@ def test_a_link_out_of_the_folders_is_refused_as_the_server_does(home: Home, tmp
 
 
 HUNGRY = """
-def create_run(run, capture, config, *, masks, audio):
+def create_run(run, capture, config, *, audio, **given):
     (capture / "transforms.json").read_bytes()
     {harm}
 """
@@ -98,6 +100,8 @@ def create_with(home: Home, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, har
         "capture": str(tmp_path / "capture"),
         "config": RunConfig().to_json(),
         "masks": None,
+        "depth": None,
+        "mesh": None,
         "audio": "none",
         "seconds": seconds,
     }

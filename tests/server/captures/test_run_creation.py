@@ -51,7 +51,9 @@ def create(creation: LimitedCreation, tmp_path: Path) -> Callable[..., RunConfig
         file = tmp_path / "capture" / "how"
         if not file.exists() or file.read_text() != how:
             file.write_text(how)
-        return creation.create_run(tmp_path / run, tmp_path / "capture", RunConfig(), masks=None, audio=audio)
+        return creation.create_run(
+            tmp_path / run, tmp_path / "capture", RunConfig(), masks=None, depth=None, mesh=None, audio=audio
+        )
 
     return begin
 

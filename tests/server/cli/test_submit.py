@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from hgs_core.base.errors import InputError
 from hgs_core.runs.run_folder import RunFolder
 from jobs.queue.client import JobClient
 from jobs.records.job import Job, JobState
@@ -34,6 +35,22 @@ def test_a_submitted_run_keeps_its_masks(
     assert main(["submit", str(n3dv), "--masks", str(folder.parent)]) == 0
     job_id = capsys.readouterr().out.strip()
     assert RunFolder(home / "runs" / job_id).read_spec().masks == folder.parent.resolve()
+
+
+def test_a_submitted_run_keeps_its_depth_and_mesh(
+    n3dv: Path, home: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "room.obj").write_text("")
+    (tmp_path / "depth.json").write_text('{"scale": 0.001}')
+    Image.fromarray(np.full((48, 64), 2500, np.uint16)).save(tmp_path / "cam00.png")
+    assert main(["submit", str(n3dv), "--depth", str(tmp_path), "--mesh", str(tmp_path / "room.obj")]) == 0
+    spec = RunFolder(home / "runs" / capsys.readouterr().out.strip()).read_spec()
+    capture = spec.open_capture()
+    assert capture.depth is not None
+    assert (capture.depth.cameras, capture.mesh) == ([0], (tmp_path / "room.obj").resolve())
+    Image.fromarray(np.zeros((48, 64), np.uint16)).save(tmp_path / "cam00.png")
+    with pytest.raises(InputError, match="the capture has changed"):
+        spec.open_capture()
 
 
 def test_a_submitted_run_keeps_its_sound(

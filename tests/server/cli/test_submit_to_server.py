@@ -152,7 +152,8 @@ def test_what_cannot_be_sent_or_trained_is_told_in_one_line(
     (lonely / "large").write_bytes(bytes(10_001))
     assert "one file may have 10.0 kB" in refusal(lonely)
     assert main(["submit", str(n3dv), "--to", "ftp://x"]) == 2
-    assert main(["submit", str(n3dv), "--to", "http://x", "--masks", str(lonely)]) == 2
+    for option in ("--masks", "--depth", "--mesh"):
+        assert main(["submit", str(n3dv), "--to", "http://x", option, str(lonely)]) == 2
 
 
 @pytest.mark.parametrize(("more", "status"), [((), 2), (("--hold-out", "cam01"), 0), (("--trust-poses",), 0)])

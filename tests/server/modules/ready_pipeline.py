@@ -11,9 +11,7 @@ from hgs_core.base.progress import Progress, ProgressCallback
 from hgs_core.runs.run_config import RunConfig
 
 
-def create_run(
-    run: Path, capture: Path, config: RunConfig, *, masks: Path | None = None, audio: str = "auto"
-) -> RunConfig:
+def create_run(run: Path, capture: Path, config: RunConfig, *, audio: str = "auto", **given: Path | None) -> RunConfig:
     if not (capture / "scene").is_dir():
         raise InputError(capture, "has no scene")
     run.mkdir(parents=True)

@@ -24,9 +24,7 @@ from hgs_core.runs.run_config import RunConfig
 TOTAL = 400
 
 
-def create_run(
-    run: Path, capture: Path, config: RunConfig, *, masks: Path | None = None, audio: str = "auto"
-) -> RunConfig:
+def create_run(run: Path, capture: Path, config: RunConfig, *, audio: str = "auto", **given: Path | None) -> RunConfig:
     cameras = len(json.loads((capture / "transforms.json").read_text())["frames"])
     if config.capture.hold_out == AUTO:
         config = config.changed({"capture.hold_out": ()})
