@@ -86,7 +86,9 @@ class PlayHost extends DrawnHost {
 
   /** From now on draw by a CameraFrame with a target of this format. */
   addFrame(format) {
-    const frame = new pc.CameraFrame(this.app, this.eye.camera);
+    const { camera } = this.eye;
+    camera.clearColor = new pc.Color().linear(this.background);
+    const frame = new pc.CameraFrame(this.app, camera);
     Object.assign(frame.rendering, { renderFormats: [pc[format]], toneMapping: pc.TONEMAP_NONE, samples: 1 });
     frame.update();
   }
@@ -135,7 +137,7 @@ class PlayHost extends DrawnHost {
     for (let frame = first; frame < first + count; frame++) {
       await new Promise(requestAnimationFrame);
       if (frame % 2 === 1) for (const texture of this.things.slice(1)) {
-        texture.lock()[frame] = frame * 29;
+        texture.lock()[4 * frame] = frame * 29;
         texture.unlock();
       }
       pictures.push(this.pixels());

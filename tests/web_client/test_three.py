@@ -286,7 +286,7 @@ def require_depth(page: Page, site: Site, canvas: Callable[[Page], npt.NDArray[n
 
 
 def require_steady_heap(page: Page, mounts: str) -> None:
-    """Two hundred scenes, each mounted and unmounted, leave a page's heap as it was; `mounts` is a function of a count."""
+    """Two hundred scenes that come and go leave a page's heap as it was; `mounts` is a function of their number."""
     session = page.context.new_cdp_session(page)
 
     def heap(count: int) -> float:

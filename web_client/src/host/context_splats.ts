@@ -68,7 +68,7 @@ export class ContextSplats {
       if (turned === null) draw();
       else {
         this.#light ??= new LinearLight(gl);
-        this.#light.around(viewport, turned, draw);
+        this.#light.around(viewport, turned, surface.exponent, draw);
       }
     });
   }

@@ -14,7 +14,7 @@ export type FineFormat = "RGBA16F" | "RGBA32F";
 
 export class LinearLight {
   readonly #gl: WebGL2RenderingContext;
-  readonly #program: Program<"picture" | "linear">;
+  readonly #program: Program<"picture" | "linear" | "exponent">;
   readonly #vertices: WebGLVertexArrayObject;
   readonly #framebuffer: WebGLFramebuffer;
   #texture: WebGLTexture | null = null;
@@ -22,19 +22,19 @@ export class LinearLight {
 
   constructor(gl: WebGL2RenderingContext) {
     this.#gl = gl;
-    this.#program = new Program(gl, presentVertexShader, convertFragmentShader, ["picture", "linear"]);
+    this.#program = new Program(gl, presentVertexShader, convertFragmentShader, ["picture", "linear", "exponent"]);
     this.#vertices = gl.createVertexArray();
     this.#framebuffer = gl.createFramebuffer();
   }
 
   /**
    * Run a function that draws sRGB into the bound framebuffer, which holds linear light in that format before and
-   * after.
+   * after; see `HostSurface.exponent`.
    */
-  around(viewport: Viewport, format: FineFormat, draw: () => void): void {
-    this.#convert(viewport, format, false);
+  around(viewport: Viewport, format: FineFormat, exponent: number, draw: () => void): void {
+    this.#convert(viewport, format, exponent, false);
     draw();
-    this.#convert(viewport, format, true);
+    this.#convert(viewport, format, exponent, true);
   }
 
   dispose(): void {
@@ -47,7 +47,7 @@ export class LinearLight {
   /**
    * Convert the target. Leaves depth test and blending on, as the drawer and the host have them; binds texture unit 0.
    */
-  #convert({ x, y, width, height }: Viewport, format: FineFormat, linear: boolean): void {
+  #convert({ x, y, width, height }: Viewport, format: FineFormat, exponent: number, linear: boolean): void {
     const gl = this.#gl;
     const target = gl.getParameter(gl.DRAW_FRAMEBUFFER_BINDING);
     const read = gl.getParameter(gl.READ_FRAMEBUFFER_BINDING);
@@ -69,6 +69,7 @@ export class LinearLight {
     gl.bindVertexArray(this.#vertices);
     gl.uniform1i(this.#program.uniforms.picture, 0);
     gl.uniform1i(this.#program.uniforms.linear, linear ? 1 : 0);
+    gl.uniform1f(this.#program.uniforms.exponent, exponent);
     gl.drawArrays(gl.TRIANGLES, 0, 3);
     gl.enable(gl.BLEND);
     gl.enable(gl.DEPTH_TEST);

@@ -26,6 +26,9 @@ const FINE: ReadonlyMap<number | undefined, FineFormat> = new Map([
   [PIXELFORMAT_RGBA32F, "RGBA32F"],
 ]);
 
+/** The engine's curve from colours to linear light. */
+const EXPONENT = 2.2;
+
 /** The turn is that of a camera, which PlayCanvas has prepared for drawing. */
 export class EntitySplats implements HostDrawer<CameraComponent> {
   readonly instance: SplatInstance;
@@ -111,7 +114,7 @@ export class EntitySplats implements HostDrawer<CameraComponent> {
     const target = this.#device.renderTarget;
     const converted = target?.isColorBufferSrgb(0); // the device's part
     const linear = this.linear ?? (converted || camera.gammaCorrection !== GAMMA_SRGB);
-    const surface = { ...depth, logarithmic: 0, reversed: false, linear };
+    const surface = { ...depth, logarithmic: 0, reversed: false, linear, exponent: converted ? 0 : EXPONENT };
     this.#splats.draw(viewport, shot, surface, FINE.get(target?.getColorBuffer(0)?.format) ?? null);
   }
 

@@ -4,8 +4,8 @@ import {
   BLEND_PREMULTIPLIED,
   BoundingBox,
   CULLFACE_NONE,
-  type Entity,
   type GraphicsDevice,
+  type GraphNode,
   Mesh,
   MeshInstance,
   PRIMITIVE_TRIANGLES,
@@ -48,8 +48,8 @@ export class SplatInstance extends MeshInstance {
    *
    * @param draw called at the splats' turn, with the state of the material set.
    */
-  constructor(device: GraphicsDevice, entity: Entity, draw: () => void) {
-    super(nothing(device), splatMaterial(), entity);
+  constructor(device: GraphicsDevice, node: GraphNode, draw: () => void) {
+    super(nothing(device), splatMaterial(), node);
     this.#draw = draw;
     this.cull = false; // each splat is, and the playhead may move on unnoticed
     this.pick = false;

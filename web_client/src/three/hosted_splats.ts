@@ -81,6 +81,7 @@ export class HostedSplats implements ThreeDrawer<WebGLRenderer> {
       logarithmic: logarithmicDepthBuffer ? 2 / Math.log2(far + 1) : 0,
       reversed: reversedDepthBuffer,
       linear: this.linear ?? writesLinear(renderer),
+      exponent: 0,
     };
     this.#splats.draw(viewport, shot, surface, target && fineFormat(target));
   }
