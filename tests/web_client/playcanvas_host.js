@@ -77,7 +77,7 @@ class PlayHost extends DrawnHost {
     const clearColor = new pc.Color().linear(this.background);
     Object.assign(camera, { renderTarget: target, gammaCorrection: pc.GAMMA_NONE, clearColor });
     this.draw();
-    const data = await colorBuffer.read(0, 0, width, height, { renderTarget: target });
+    const data = await colorBuffer.read(0, 0, width, height);
     Object.assign(camera, { renderTarget: null, gammaCorrection: pc.GAMMA_SRGB, clearColor: this.background });
     target.destroyTextureBuffers();
     target.destroy();
