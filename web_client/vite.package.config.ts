@@ -19,6 +19,7 @@ export default defineConfig(({ mode }) => {
         element: "src/element/define.ts",
         three: "src/three/hgs_scene.ts",
         "three-webgpu": "src/three/hgs_scene_webgpu.ts",
+        playcanvas: "src/playcanvas/hgs_scene_entity.ts",
       };
   return {
     base: "./", // addresses relative to the script that has them
@@ -30,7 +31,7 @@ export default defineConfig(({ mode }) => {
       target: "es2022",
       lib: { entry, formats: ["es"] },
       rolldownOptions: {
-        external: [/^three(\/|$)/], // the host's own
+        external: [/^(three|playcanvas)(\/|$)/], // the host's own
         // What the element's script shares with parts that are loaded later stays in it: one round trip less.
         preserveEntrySignatures: site ? "allow-extension" : "strict",
         output: {

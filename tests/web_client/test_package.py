@@ -37,7 +37,7 @@ STRICT = {  # finds modules as Node does
     "strict": True,
     "noEmit": True,
 }
-FRAMEWORKS = ("@types/react", "react", "react-dom", "svelte", "vue")
+FRAMEWORKS = ("@types/react", "playcanvas", "react", "react-dom", "svelte", "vue")
 
 
 @pytest.fixture(scope="module")
@@ -126,6 +126,7 @@ def test_every_entry_can_be_imported_by_a_server(project: Path) -> None:
         "./vue",
         "./three",
         "./three-webgpu",
+        "./playcanvas",
         "undefined",
         "undefined",
     ]

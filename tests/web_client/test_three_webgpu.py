@@ -29,6 +29,8 @@ from tests.web_client.test_three import (
     numbers,
     rasterized,
     require_depth,
+    require_steady_heap,
+    screenshot,
     settle,
     srgb,
 )
@@ -253,17 +255,11 @@ def test_the_example_draws_splats_in_a_pass_of_post_processing(browser: Browser,
         page.goto(f"{address}/examples/three_webgpu.html?src=/clouds/manifest.json")
         page.wait_for_function("() => window.splats")
         page.evaluate("() => { splats.pause(); return splats.seek(0.4) }")
-        shown, without = (_screenshot(page, visible) for visible in (True, False))
+        shown, without = (screenshot(page, f"splats.visible = {visible}") for visible in ("true", "false"))
         assert (shown != without).any(axis=2).mean() > 0.3
         assert [problem for problem in problems if "GPU stall" not in problem] == []
     finally:
         page.close()
-
-
-def _screenshot(page: Page, visible: bool) -> npt.NDArray[np.uint8]:
-    page.evaluate("(visible) => { splats.visible = visible }", visible)
-    page.evaluate("() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)))")
-    return np.asarray(Image.open(BytesIO(page.screenshot())).convert("RGB"))
 
 
 MOUNTS = """async (count) => {
@@ -297,15 +293,4 @@ def test_two_hundred_scenes_that_come_and_go_leave_the_heap_as_it_was(
 ) -> None:
     with hosting(browser, address, backend) as page:
         look(page, camera_named(site, "side"))
-        session = page.context.new_cdp_session(page)
-
-        def heap(mounts: int) -> float:
-            page.evaluate(MOUNTS, mounts)
-            session.send("HeapProfiler.collectGarbage")
-            used: float = session.send("Runtime.getHeapUsage")["usedSize"]
-            return used / 1e6
-
-        first = heap(20)
-        after = [heap(60) for _ in range(3)]
-        print(f"heap after 20, 80, 140 and 200 mounts: {first:.2f} {after} MB")
-        assert after[-1] < first + 1.0
+        require_steady_heap(page, MOUNTS)

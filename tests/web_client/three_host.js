@@ -1,12 +1,7 @@
 /** A host of three.js for tests: pictures of its scene, with what is asked for in it. */
 import * as THREE from "three";
 import { HgsScene } from "@hgs/player/three";
-
-export const encode = (bytes) => {
-  let text = "";
-  for (let i = 0; i < bytes.length; i += 32768) text += String.fromCharCode(...bytes.subarray(i, i + 32768));
-  return btoa(text);
-};
+import { DrawnHost, encode } from "./drawn_host.js";
 
 /** Two numbers of a projection matrix, for its row of depths. */
 const DEPTHS = {
@@ -47,11 +42,11 @@ function texture(seed, flipY) {
   return made;
 }
 
-export class Host {
-  heard = [];
+export class Host extends DrawnHost {
   Scene = HgsScene;
 
   constructor({ width, height, background = [0, 0, 0], renderer = {}, pixelRatio = 1 }) {
+    super();
     this.renderer = this.rendererOf({ antialias: false, ...renderer });
     this.renderer.setPixelRatio(pixelRatio);
     this.renderer.setSize(width / pixelRatio, height / pixelRatio);
@@ -78,26 +73,8 @@ export class Host {
   addSplats(options, place) {
     this.splats = new this.Scene(options);
     if (place) this.splats.applyMatrix4(new THREE.Matrix4().set(...place.flat()));
-    for (const type of ["manifest", "firstpicture", "ready", "play", "pause", "seeked", "ended", "volumechange", "error"])
-      this.splats.addEventListener(type, (event) => this.heard.push(type === "error" ? event.detail.message : type));
+    this.hear((type, listener) => this.splats.addEventListener(type, ({ detail }) => listener(detail)));
     this.world.add(this.splats);
-  }
-
-  /** Draw frame after frame until a promise is fulfilled. */
-  async drawUntil(promise) {
-    let done = false;
-    const finish = () => { done = true; };
-    promise.then(finish, finish);
-    while (!done) {
-      await new Promise(requestAnimationFrame);
-      this.draw();
-    }
-    return promise;
-  }
-
-  /** Until all of what is to be seen at the playhead is drawn. */
-  settled() {
-    return this.drawUntil(this.splats.seek(this.splats.currentTime));
   }
 
   /** Draw, and read the canvas: rows from the top, RGBA. */

@@ -4,7 +4,8 @@ import { mrt, output, vec4 } from "three/tsl";
 import { WebGLRenderer } from "three/webgl";
 import { HgsScene as OfWebGL } from "@hgs/player/three";
 import { HgsScene } from "@hgs/player/three-webgpu";
-import { encode, Host } from "./three_host.js";
+import { encode } from "./drawn_host.js";
+import { Host } from "./three_host.js";
 
 class NodeHost extends Host {
   Scene = HgsScene;
@@ -21,9 +22,7 @@ class NodeHost extends Host {
   /** Draw, and read the canvas: rows from the top, RGBA. */
   pixels() {
     this.draw();
-    const copy = new OffscreenCanvas(this.width, this.height).getContext("2d");
-    copy.drawImage(this.renderer.domElement, 0, 0);
-    return encode(copy.getImageData(0, 0, this.width, this.height).data);
+    return this.pixelsOf(this.renderer.domElement);
   }
 
   /** Draw into a target of half floats and read that: rows from the top. */

@@ -25,7 +25,9 @@ const ROOMS: Readonly<Record<string, readonly string[]>> = {
   upload: ["dom", "protocol"],
   console: ["camera", "clean", "crop", "dom", "keyframes", "player", "protocol", "renderer", "ui", "upload"],
   element: ["dom", "player", "ui"],
-  three: ["camera", "codec", "player", "renderer", "scene", "sound", "source"],
+  host: ["camera", "codec", "player", "renderer", "scene", "sound", "source"],
+  three: ["camera", "codec", "host", "renderer"],
+  playcanvas: ["camera", "codec", "host", "renderer"],
   "index.ts": ["camera", "codec", "player", "renderer", "source", "ui"],
   "main.ts": ["console", "protocol", "ui"],
 };

@@ -138,15 +138,17 @@ export abstract class MediaApi {
   }
 }
 
-/** A class that extends `Base`, an event target or an object of a host, by the members of `MediaApi`. */
-export function withMediaApi<B extends abstract new (...args: never[]) => object>(
+/** A class that extends `Base`, an event target or an object of a host, by the members that `Api` itself declares. */
+export function withMembers<B extends abstract new (...args: never[]) => object, A extends MediaApi>(
   Base: B,
   // biome-ignore lint/suspicious/noExplicitAny: TypeScript requires it of a class with another one's members
-): B & (abstract new (...args: any[]) => MediaApi) {
+  Api: abstract new (...args: any[]) => A,
+  // biome-ignore lint/suspicious/noExplicitAny: likewise
+): B & (abstract new (...args: any[]) => A) {
   abstract class Played extends (Base as unknown as new (...args: unknown[]) => object) {}
-  const { constructor: _, ...members } = Object.getOwnPropertyDescriptors(MediaApi.prototype);
+  const { constructor: _, ...members } = Object.getOwnPropertyDescriptors(Api.prototype);
   Object.defineProperties(Played.prototype, members);
-  return Played as unknown as ReturnType<typeof withMediaApi<B>>;
+  return Played as unknown as ReturnType<typeof withMembers<B, A>>;
 }
 
 function checkedTime(time: number): number {

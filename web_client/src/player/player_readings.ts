@@ -4,14 +4,14 @@ import type { Manifest } from "../codec/types";
 import type { Pixels } from "../renderer/shot";
 import type { Playback } from "../scene/playback";
 import type { HgsPlayerListening } from "./hgs_player_events";
-import { withMediaApi } from "./media_api";
+import { MediaApi, withMembers } from "./media_api";
 import type { MountedScene } from "./mounted_scene";
 import type { PlayerStats } from "./player_types";
 import type { SceneCanvas } from "./scene_canvas";
 
 const Target = EventTarget as new () => HgsPlayerListening & EventTarget;
 
-export abstract class PlayerReadings extends withMediaApi(Target) {
+export abstract class PlayerReadings extends withMembers(Target, MediaApi) {
   /** The present scene; null without one. */
   protected abstract readonly mounted: MountedScene | null;
 

@@ -30,7 +30,7 @@ flat out vec3 falloff;        // 1 / (deviation of x given y), slope of x on y, 
 flat out vec4 colour;         // rgb, log2 of the opacity
 
 #ifdef SURROUNDED
-// Defined by code that is appended to this file where splats are drawn among other things (three/host_surface.vert). It
+// Defined by code that is appended to this file where splats are drawn among other things (host/host_surface.vert). It
 // may change gl_Position.z and colour; p is the splat's centre in camera space, paint its own colour.
 void surround(vec3 p, vec3 paint);
 #endif

@@ -1,8 +1,8 @@
 /** `@hgs/player/three`: a scene among meshes that three.js' `WebGLRenderer` draws. See docs/three.md. */
 
 import type { WebGLRenderer } from "three";
-import type { HgsSceneEventMap, HgsSceneEvents, HgsSceneOptions } from "./hgs_scene_events";
-import { HostedScene } from "./hosted_scene";
+import type { HgsSceneEvents, HgsSceneOptions } from "../host/scene_options";
+import { type HgsSceneEventMap, HostedScene } from "./hosted_scene";
 import { HostedSplats } from "./hosted_splats";
 
 export type { HgsSceneEventMap, HgsSceneEvents, HgsSceneOptions };

@@ -1,8 +1,8 @@
 /** `@hgs/player/three-webgpu`: a scene among meshes that three.js' `WebGPURenderer` draws. See docs/three.md. */
 
 import type { WebGPURenderer } from "three/webgpu";
-import type { HgsSceneEventMap, HgsSceneEvents, HgsSceneOptions } from "./hgs_scene_events";
-import { HostedScene } from "./hosted_scene";
+import type { HgsSceneEvents, HgsSceneOptions } from "../host/scene_options";
+import { type HgsSceneEventMap, HostedScene } from "./hosted_scene";
 import { NodeSplats } from "./node_splats";
 
 export type { HgsSceneEventMap, HgsSceneEvents, HgsSceneOptions };

@@ -1,31 +1,35 @@
-/**
- * The splats in the context of a host's renderer: created, filled and drawn while the host draws, with its bindings
- * kept.
- */
+/** The splats in the pictures of a `WebGLRenderer`. */
 
-import { type Camera, ColorManagement, LinearTransfer, Vector4, type WebGLRenderer } from "three";
+import {
+  ColorManagement,
+  FloatType,
+  HalfFloatType,
+  LinearTransfer,
+  RGBAFormat,
+  Vector4,
+  type WebGLRenderer,
+  type WebGLRenderTarget,
+} from "three";
 import type { Viewport } from "../camera/projection";
 import type { Manifest } from "../codec/types";
+import { ContextSplats } from "../host/context_splats";
+import type { HostPicture } from "../host/host_drawer";
+import type { HostDepth } from "../host/host_view";
+import type { FineFormat } from "../host/linear_light";
 import type { Shot } from "../renderer/shot";
-import { FEWEST_ROWS, SplatDrawer, type SplatSink } from "../renderer/splat_drawer";
-import type { HostDrawer, HostDrawing } from "./host_drawer";
-import { HostSurroundings } from "./host_surface";
-import type { HostView } from "./host_view";
-import { keepBindings, keepUnpacking } from "./kept_state";
-import { fineFormat, LinearLight } from "./linear_light";
+import { FEWEST_ROWS, type SplatSink } from "../renderer/splat_drawer";
 import { SplatMesh } from "./splat_mesh";
-import { WaitingSplats } from "./waiting_splats";
+import { threePicture } from "./three_camera";
+import type { ThreeDrawer, ThreeDrawing, ThreeTurn } from "./three_drawer";
 
-export class HostedSplats implements HostDrawer<WebGLRenderer> {
+type Turn = ThreeTurn<WebGLRenderer>;
+
+export class HostedSplats implements ThreeDrawer<WebGLRenderer> {
   readonly object: SplatMesh;
-  readonly #waiting = new WaitingSplats(() => this.#renderer?.capabilities.maxTextureSize ?? mostRowsHere());
-  readonly #host = new HostSurroundings();
+  readonly #splats = new ContextSplats(() => this.#renderer?.capabilities.maxTextureSize ?? mostRowsHere());
   readonly #listeners = new AbortController();
   readonly #viewport = new Vector4();
   #renderer: WebGLRenderer | null = null;
-  #drawer: SplatDrawer | null = null;
-  #light: LinearLight | null = null;
-  #stale = false; // true after a loss of the context
 
   /**
    * Wait for a renderer.
@@ -34,20 +38,20 @@ export class HostedSplats implements HostDrawer<WebGLRenderer> {
    */
   constructor(
     readonly linear: boolean | null,
-    readonly drawing: HostDrawing<WebGLRenderer>,
+    readonly drawing: ThreeDrawing<WebGLRenderer>,
   ) {
     this.object = new SplatMesh((renderer, camera) => drawing.draw(renderer, camera));
   }
 
   get sink(): SplatSink {
-    return this.#waiting;
+    return this.#splats.sink;
   }
 
   bound(manifest: Manifest): void {
     this.object.bound(manifest);
   }
 
-  viewport(renderer: WebGLRenderer): Viewport | null {
+  picture({ renderer, camera, world }: Turn): HostPicture | null {
     if (!("isWebGLRenderer" in renderer)) {
       throw new Error("this renderer is no WebGLRenderer: import HgsScene from @hgs/player/three-webgpu instead");
     }
@@ -57,58 +61,36 @@ export class HostedSplats implements HostDrawer<WebGLRenderer> {
       throw new Error(`the render target has ${target.textures.length} textures: splats are drawn into one only`);
     }
     const { x, y, z: width, w: height } = currentViewport(renderer, this.#viewport);
-    return { x, y, width, height };
+    return threePicture(camera, world, { x, y, width, height });
   }
 
-  prepare(renderer: WebGLRenderer): Parameters<SplatSink["setOrder"]> | null {
-    const gl = this.#contextOf(renderer);
-    if (this.#drawer && !this.#stale && this.#waiting.empty) return null;
-    return keepUnpacking(gl, () => {
-      if (!this.#drawer) this.#drawer = new SplatDrawer(gl, this.#host);
-      else if (this.#stale) this.#drawer.rebuild();
-      if (this.#stale) this.#light = null;
-      this.#stale = false;
-      return this.#waiting.flush(this.#drawer);
-    });
+  prepare({ renderer }: Turn): Parameters<SplatSink["setOrder"]> | null {
+    return this.#splats.prepare(this.#contextOf(renderer));
   }
 
   setOrder(...order: Parameters<SplatSink["setOrder"]>): void {
-    const drawer = this.#drawer;
-    if (drawer) keepUnpacking(drawer.gl, () => drawer.setOrder(...order));
+    this.#splats.setOrder(...order);
   }
 
-  draw(renderer: WebGLRenderer, camera: Camera, viewport: Viewport, shot: Shot, depth: HostView["depth"]): void {
-    const drawer = this.#drawer;
-    if (!drawer || drawer.count === 0) return;
-    const { gl } = drawer;
-    const { far = Number.POSITIVE_INFINITY } = camera as Camera & { far?: number };
+  draw({ renderer, camera }: Turn, viewport: Viewport, shot: Shot, depth: HostDepth): void {
+    const { far = Number.POSITIVE_INFINITY } = camera as typeof camera & { far?: number };
     const { logarithmicDepthBuffer, reversedDepthBuffer } = renderer.capabilities;
     const target = renderer.getRenderTarget();
-    const linear = this.linear ?? writesLinear(renderer);
-    const format = linear && target ? fineFormat(target) : null;
-    const draw = () => drawer.draw(shot, [viewport.x, viewport.y]);
-    this.#host.surface = {
+    const surface = {
       ...depth,
       logarithmic: logarithmicDepthBuffer ? 2 / Math.log2(far + 1) : 0,
       reversed: reversedDepthBuffer,
-      linear: linear && format === null,
+      linear: this.linear ?? writesLinear(renderer),
+      exponent: 0,
     };
-    keepBindings(gl, () => {
-      if (format === null) draw();
-      else {
-        this.#light ??= new LinearLight(gl);
-        this.#light.around(viewport, format, draw);
-      }
-    });
+    this.#splats.draw(viewport, shot, surface, target && fineFormat(target));
   }
 
   /** Delete the contents of the context, which stays the host's. */
   dispose(): void {
     this.#listeners.abort();
-    this.#drawer?.dispose();
-    this.#light?.dispose();
+    this.#splats.dispose();
     this.object.dispose();
-    this.#drawer = null;
   }
 
   #contextOf(renderer: WebGLRenderer): WebGL2RenderingContext {
@@ -118,13 +100,19 @@ export class HostedSplats implements HostDrawer<WebGLRenderer> {
     if (this.#renderer === null) {
       this.#renderer = renderer;
       const restored = () => {
-        this.#stale = true;
+        this.#splats.restored();
         this.drawing.restored();
       };
       renderer.domElement.addEventListener("webglcontextrestored", restored, { signal: this.#listeners.signal });
     }
     return renderer.getContext() as WebGL2RenderingContext;
   }
+}
+
+/** The format of a target's colours, if it is a fine one. */
+function fineFormat({ texture }: WebGLRenderTarget): FineFormat | null {
+  if (texture.format !== RGBAFormat) return null;
+  return texture.type === HalfFloatType ? "RGBA16F" : texture.type === FloatType ? "RGBA32F" : null;
 }
 
 /** Texture rows that this device supports, before the host's renderer is known. */

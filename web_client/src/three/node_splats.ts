@@ -7,7 +7,6 @@ import { cameraFar, cameraNear, viewZToLogarithmicDepth } from "three/tsl";
 import {
   Box3,
   BufferGeometry,
-  type Camera,
   CustomBlending,
   DoubleSide,
   Float32BufferAttribute,
@@ -27,15 +26,19 @@ import {
 import { magnification } from "../camera/magnification";
 import type { Viewport } from "../camera/projection";
 import type { Manifest } from "../codec/types";
+import type { HostPicture } from "../host/host_drawer";
+import type { HostDepth } from "../host/host_view";
+import { WaitingSplats } from "../host/waiting_splats";
 import type { Shot } from "../renderer/shot";
 import type { SplatSink } from "../renderer/splat_drawer";
-import type { HostDrawer, HostDrawing } from "./host_drawer";
-import type { HostView } from "./host_view";
 import { TargetCopy, toLinear, toSrgb, wholeViewport } from "./light_nodes";
 import { NodeTextures } from "./node_textures";
+import { splatBox } from "./splat_box";
 import { splatInputs, splatNodes } from "./splat_nodes";
-import { roomOf } from "./splat_room";
-import { WaitingSplats } from "./waiting_splats";
+import { threePicture } from "./three_camera";
+import type { ThreeDrawer, ThreeDrawing, ThreeTurn } from "./three_drawer";
+
+type Turn = ThreeTurn<WebGPURenderer>;
 
 /** Larger than any deviation, pixels. */
 const LARGEST = 1e9;
@@ -43,7 +46,7 @@ const LARGEST = 1e9;
 /** Vertices of no triangle: browsers warn of drawing none. */
 const NOTHING = 1;
 
-export class NodeSplats implements HostDrawer<WebGPURenderer> {
+export class NodeSplats implements ThreeDrawer<WebGPURenderer> {
   readonly object = new Object3D();
   readonly #textures = new NodeTextures();
   readonly #waiting = new WaitingSplats(() => this.#textures.mostRows);
@@ -68,7 +71,7 @@ export class NodeSplats implements HostDrawer<WebGPURenderer> {
    */
   constructor(
     readonly linear: boolean,
-    readonly drawing: HostDrawing<WebGPURenderer>,
+    readonly drawing: ThreeDrawing<WebGPURenderer>,
   ) {
     // Any renderer can draw this one.
     this.#turn = this.#mesh(new MeshBasicMaterial({ colorWrite: false }));
@@ -99,11 +102,11 @@ export class NodeSplats implements HostDrawer<WebGPURenderer> {
   }
 
   bound(manifest: Manifest): void {
-    this.#room.box.copy(roomOf(manifest));
+    this.#room.box.copy(splatBox(manifest));
     this.#room.box.getBoundingSphere(this.#room.sphere);
   }
 
-  viewport(renderer: WebGPURenderer): Viewport | null {
+  picture({ renderer, camera, world }: Turn): HostPicture {
     if (!("isWebGPURenderer" in renderer)) {
       throw new Error("this renderer is no WebGPURenderer: import HgsScene from @hgs/player/three instead");
     }
@@ -117,10 +120,10 @@ export class NodeSplats implements HostDrawer<WebGPURenderer> {
     if (target) this.#viewport.copy(target.viewport);
     else renderer.getViewport(this.#viewport).multiplyScalar(renderer.getPixelRatio());
     const { x, y, z: width, w: height } = this.#viewport.floor();
-    return { x, y, width, height };
+    return threePicture(camera, world, { x, y, width, height });
   }
 
-  prepare(renderer: WebGPURenderer): Parameters<SplatSink["setOrder"]> | null {
+  prepare({ renderer }: Turn): Parameters<SplatSink["setOrder"]> | null {
     const textures = this.#textures;
     if (textures.renderer === null) {
       textures.renderer = renderer;
@@ -144,7 +147,7 @@ export class NodeSplats implements HostDrawer<WebGPURenderer> {
     this.#inputs.order.value = this.#textures.order;
   }
 
-  draw(renderer: WebGPURenderer, _camera: Camera, viewport: Viewport, shot: Shot, depth: HostView["depth"]): void {
+  draw({ renderer }: Turn, viewport: Viewport, shot: Shot, depth: HostDepth): void {
     const { count } = this.#textures;
     if (count === 0) return;
     const u = this.#inputs;

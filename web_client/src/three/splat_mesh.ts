@@ -18,7 +18,7 @@ import {
   type WebGLRenderer,
 } from "three";
 import type { Manifest } from "../codec/types";
-import { roomOf } from "./splat_room";
+import { splatBox } from "./splat_box";
 
 /**
  * The material by which three.js itself sets blending, depth, culling and masks for splats, and keeps track of them. It
@@ -65,7 +65,7 @@ export class SplatMesh extends Mesh<BufferGeometry, RawShaderMaterial> {
 
   /** Set the bounds of the splats' centres at all times, for three.js' queries. */
   bound(manifest: Manifest): void {
-    const box = roomOf(manifest);
+    const box = splatBox(manifest);
     this.geometry.boundingBox = box;
     this.geometry.boundingSphere = box.getBoundingSphere(new Sphere());
   }

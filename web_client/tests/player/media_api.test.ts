@@ -1,6 +1,6 @@
 import { beforeEach, expect, it, vi } from "vitest";
 import type { Manifest } from "../../src/codec/types";
-import { asked, MediaApi, withMediaApi } from "../../src/player/media_api";
+import { asked, MediaApi, withMembers } from "../../src/player/media_api";
 import { PlayerClock } from "../../src/scene/clock";
 import type { Playback } from "../../src/scene/playback";
 
@@ -11,7 +11,7 @@ class Host {
 const told = vi.fn();
 const changed = vi.fn();
 
-class Scene extends withMediaApi(Host) {
+class Scene extends withMembers(Host, MediaApi) {
   manifest: Manifest | null = null;
   protected asked = asked({ loop: true, autoplay: true, playbackRate: 2, time: 3 });
   protected playback: Playback | null = null;

@@ -1,8 +1,8 @@
 import { describe, expect, it } from "vitest";
 import { poseAt } from "../../src/camera/pinhole";
+import { areEyes, ViewOrders, type Views } from "../../src/host/view_orders";
 import type { OrderKey } from "../../src/scene/order_requests";
 import { sightOf, type View } from "../../src/scene/view";
-import { areEyes, ViewOrders, type Views } from "../../src/three/view_orders";
 
 const CAMERA = { width: 64, height: 48, fx: 50, fy: 50, cx: 32, cy: 24, near: 0.1 };
 

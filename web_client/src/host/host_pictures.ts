@@ -1,6 +1,5 @@
 /** A host's pictures of a scene: one or several per frame, from cameras and into targets of the host's. */
 
-import type { Camera, Matrix4 } from "three";
 import { headSight } from "../scene/head_sight";
 import type { OrderKey } from "../scene/order_requests";
 import type { StreamedScene } from "../scene/streamed_scene";
@@ -9,7 +8,7 @@ import type { HostDrawer } from "./host_drawer";
 import { hostView } from "./host_view";
 import { areEyes, ViewOrders, type Views } from "./view_orders";
 
-export class HostPictures<Renderer> {
+export class HostPictures<Turn> {
   readonly #orders = new ViewOrders();
   #views: View[] = []; // this frame's, in the order of drawing
   #before: readonly View[] = []; // previous frame's
@@ -24,27 +23,27 @@ export class HostPictures<Renderer> {
    *   playhead.
    */
   constructor(
-    readonly drawer: HostDrawer<Renderer>,
+    readonly drawer: HostDrawer<Turn>,
     readonly framed: (settled: boolean) => void,
   ) {}
 
   /**
-   * Draw into the bound target; `world` takes the scene's own space to the host's world.
+   * Draw into the bound target.
    *
    * @throws Error with one line for people if splats cannot be drawn there.
    */
-  draw(scene: StreamedScene, renderer: Renderer, camera: Camera, world: Matrix4): void {
-    const viewport = this.drawer.viewport(renderer);
-    if (!viewport) return;
-    const { view, depth } = hostView(camera, world, viewport);
+  draw(scene: StreamedScene, turn: Turn): void {
+    const picture = this.drawer.picture(turn);
+    if (!picture) return;
+    const { view, depth } = hostView(picture, picture.viewport);
     const place = this.#views.push(view) - 1;
-    if (place === 0) this.#begin(scene, renderer, [view, ...this.#before.slice(1)]);
+    if (place === 0) this.#begin(scene, turn, [view, ...this.#before.slice(1)]);
     const kept = this.#apart ? this.#orders.at(place) : undefined;
     if (kept && kept.key !== this.#held) {
       this.drawer.setOrder(kept.ids, kept.count);
       this.#held = kept.key;
     }
-    if (this.#held) this.drawer.draw(renderer, camera, viewport, scene.shot(view, this.#held), depth);
+    if (this.#held) this.drawer.draw(turn, picture.viewport, scene.shot(view, this.#held), depth);
   }
 
   /** Forget the orders of a lost context. */
@@ -54,10 +53,10 @@ export class HostPictures<Renderer> {
   }
 
   /** Start a frame at its first picture. The host may draw further ones until its script ends. */
-  #begin(scene: StreamedScene, renderer: Renderer, views: Views): void {
+  #begin(scene: StreamedScene, turn: Turn, views: Views): void {
     queueMicrotask(() => this.#end());
     this.#settled = false;
-    const order = this.drawer.prepare(renderer);
+    const order = this.drawer.prepare(turn);
     if (order) {
       this.#held = scene.orders.shown;
       const taken = this.#held && this.#apart ? this.#orders.take(this.#held, ...order) : true;
@@ -77,8 +76,8 @@ export class HostPictures<Renderer> {
       this.#settled = scene.step(now, views, headSight(views))?.settled ?? false;
       return;
     }
-    const turn = this.#orders.turn(views, playback.clock.time, version);
-    const settled = scene.step(now, [views[turn]])?.settled ?? false;
+    const place = this.#orders.turn(views, playback.clock.time, version);
+    const settled = scene.step(now, [views[place]])?.settled ?? false;
     this.#settled = settled && this.#orders.all(views, playback.clock.time, version, !playback.clock.playing);
   }
 

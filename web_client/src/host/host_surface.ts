@@ -19,9 +19,11 @@ export interface HostSurface {
   readonly reversed: boolean;
   /** Whether colours are written in linear light; otherwise in sRGB, unchanged. */
   readonly linear: boolean;
+  /** The exponent that the host's materials take for the curve from colours to linear light; 0 for that of sRGB. */
+  readonly exponent: number;
 }
 
-const UNIFORMS = ["depthZ", "depthW", "logarithmic", "linear"] as const;
+const UNIFORMS = ["depthZ", "depthW", "logarithmic", "linear", "exponent"] as const;
 
 /**
  * A host's surroundings of splats: nearer surfaces hide them, they write no depth, and their colours are in the host's
@@ -47,5 +49,6 @@ export class HostSurroundings implements SplatSurroundings {
     gl.uniform4f(u.depthW, ...surface.w);
     gl.uniform1f(u.logarithmic, surface.logarithmic);
     gl.uniform1i(u.linear, surface.linear ? 1 : 0);
+    gl.uniform1f(u.exponent, surface.exponent);
   }
 }

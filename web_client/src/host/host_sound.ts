@@ -1,4 +1,4 @@
-/** The loudness of a host's scene, and events for its sound: three.js' events are not those of the page. */
+/** The loudness of a host's scene, and events for its sound: a host's events are not those of the page. */
 
 import type { Manifest } from "../codec/types";
 import type { PlayerProblem, SoundOptions } from "../player/hgs_player_events";

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { WaitingSplats } from "../../src/three/waiting_splats";
+import { WaitingSplats } from "../../src/host/waiting_splats";
 
 /** Notes in `calls` what comes. */
 function sink(calls: unknown[][]) {

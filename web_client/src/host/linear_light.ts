@@ -4,21 +4,17 @@
  * unchanged.
  */
 
-import { FloatType, HalfFloatType, RGBAFormat, type WebGLRenderTarget } from "three";
 import type { Viewport } from "../camera/projection";
 import presentVertexShader from "../renderer/present.vert?raw";
 import { Program } from "../renderer/program";
 import convertFragmentShader from "./linear_light.frag?raw";
 
-/** The format of a target's colours, if it is fine enough for conversions in both directions. */
-export function fineFormat({ texture }: WebGLRenderTarget): "RGBA16F" | "RGBA32F" | null {
-  if (texture.format !== RGBAFormat) return null;
-  return texture.type === HalfFloatType ? "RGBA16F" : texture.type === FloatType ? "RGBA32F" : null;
-}
+/** A format of colours that is fine enough for conversions in both directions. */
+export type FineFormat = "RGBA16F" | "RGBA32F";
 
 export class LinearLight {
   readonly #gl: WebGL2RenderingContext;
-  readonly #program: Program<"picture" | "linear">;
+  readonly #program: Program<"picture" | "linear" | "exponent">;
   readonly #vertices: WebGLVertexArrayObject;
   readonly #framebuffer: WebGLFramebuffer;
   #texture: WebGLTexture | null = null;
@@ -26,19 +22,19 @@ export class LinearLight {
 
   constructor(gl: WebGL2RenderingContext) {
     this.#gl = gl;
-    this.#program = new Program(gl, presentVertexShader, convertFragmentShader, ["picture", "linear"]);
+    this.#program = new Program(gl, presentVertexShader, convertFragmentShader, ["picture", "linear", "exponent"]);
     this.#vertices = gl.createVertexArray();
     this.#framebuffer = gl.createFramebuffer();
   }
 
   /**
    * Run a function that draws sRGB into the bound framebuffer, which holds linear light in that format before and
-   * after.
+   * after; see `HostSurface.exponent`.
    */
-  around(viewport: Viewport, format: "RGBA16F" | "RGBA32F", draw: () => void): void {
-    this.#convert(viewport, format, false);
+  around(viewport: Viewport, format: FineFormat, exponent: number, draw: () => void): void {
+    this.#convert(viewport, format, exponent, false);
     draw();
-    this.#convert(viewport, format, true);
+    this.#convert(viewport, format, exponent, true);
   }
 
   dispose(): void {
@@ -51,7 +47,7 @@ export class LinearLight {
   /**
    * Convert the target. Leaves depth test and blending on, as the drawer and the host have them; binds texture unit 0.
    */
-  #convert({ x, y, width, height }: Viewport, format: "RGBA16F" | "RGBA32F", linear: boolean): void {
+  #convert({ x, y, width, height }: Viewport, format: FineFormat, exponent: number, linear: boolean): void {
     const gl = this.#gl;
     const target = gl.getParameter(gl.DRAW_FRAMEBUFFER_BINDING);
     const read = gl.getParameter(gl.READ_FRAMEBUFFER_BINDING);
@@ -73,13 +69,14 @@ export class LinearLight {
     gl.bindVertexArray(this.#vertices);
     gl.uniform1i(this.#program.uniforms.picture, 0);
     gl.uniform1i(this.#program.uniforms.linear, linear ? 1 : 0);
+    gl.uniform1f(this.#program.uniforms.exponent, exponent);
     gl.drawArrays(gl.TRIANGLES, 0, 3);
     gl.enable(gl.BLEND);
     gl.enable(gl.DEPTH_TEST);
   }
 
   /** Make room for a copy, bound to texture unit 0. */
-  #make(width: number, height: number, format: "RGBA16F" | "RGBA32F"): void {
+  #make(width: number, height: number, format: FineFormat): void {
     const gl = this.#gl;
     gl.activeTexture(gl.TEXTURE0);
     gl.bindTexture(gl.TEXTURE_2D, this.#texture);

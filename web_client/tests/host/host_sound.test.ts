@@ -1,5 +1,5 @@
 import { describe, expect, it, vi } from "vitest";
-import { HostSound } from "../../src/three/host_sound";
+import { HostSound } from "../../src/host/host_sound";
 
 const made = (options = {}) => {
   const events = { changed: vi.fn(), failed: vi.fn() };

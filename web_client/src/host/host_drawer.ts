@@ -1,42 +1,45 @@
-/** A drawer of splats in a host's pictures: one for each kind of three.js' renderers. */
+/** A drawer of splats in a host's pictures: one for each kind of host. */
 
-import type { Camera, Object3D } from "three";
 import type { Viewport } from "../camera/projection";
 import type { Manifest } from "../codec/types";
 import type { Shot } from "../renderer/shot";
 import type { SplatSink } from "../renderer/splat_drawer";
-import type { HostView } from "./host_view";
+import type { HostDepth, HostLens } from "./host_view";
 
-export interface HostDrawer<Renderer> {
+/** A part of the bound target, and the lens of the host's camera for it. */
+export interface HostPicture extends HostLens {
+  readonly viewport: Viewport;
+}
+
+/** `Turn` is all that a host says of the moment to draw, such as its renderer and camera. */
+export interface HostDrawer<Turn> {
   /** The sink for decoded splats and their order, at any time. */
   readonly sink: SplatSink;
-  /** The splats' representative among the host's objects. */
-  readonly object: Object3D;
-  /** Set the bounds of the splats' centres at all times, for three.js' queries. */
+  /** Set the bounds of the splats' centres at all times, for the host's queries. */
   bound(manifest: Manifest): void;
   /**
-   * The viewport of the bound target, pixels; null if there is none at present.
+   * The picture that the host draws; null if there is none at present.
    *
    * @throws Error with one line for people if splats cannot be drawn there.
    */
-  viewport(renderer: Renderer): Viewport | null;
+  picture(turn: Turn): HostPicture | null;
   /**
    * Take the splats received since the last frame.
    *
    * @returns the new order, if there is one: ids and their number, in a borrowed array.
    * @throws Error if another renderer has drawn the scene before, or the device cannot hold it.
    */
-  prepare(renderer: Renderer): Parameters<SplatSink["setOrder"]> | null;
+  prepare(turn: Turn): Parameters<SplatSink["setOrder"]> | null;
   /** Replace the last order by an earlier one. */
   setOrder(...order: Parameters<SplatSink["setOrder"]>): void;
   /** Draw a shot into the bound target. */
-  draw(renderer: Renderer, camera: Camera, viewport: Viewport, shot: Shot, depth: HostView["depth"]): void;
+  draw(turn: Turn, viewport: Viewport, shot: Shot, depth: HostDepth): void;
   dispose(): void;
 }
 
-export interface HostDrawing<Renderer> {
+export interface HostDrawing<Turn> {
   /** It is the splats' turn in a picture of the host's. */
-  draw(renderer: Renderer, camera: Camera): void;
+  draw(turn: Turn): void;
   /** The host's context was restored: then splats and an order must be set again. */
   restored(): void;
 }
