@@ -150,9 +150,9 @@ class TrainingWorkflow:
         job = self._table.get(job_id)
         if job is not None and (job.attempt != attempt or job.state is JobState.SUCCEEDED):
             return
-        # The workflow and not the row, which says so a moment later.
+        # The row says so a moment later than the workflow.
         workflow = self._queue.list_workflows(
             workflow_ids=[workflow_id(job_id, attempt)], load_input=False, load_output=False
         )
-        if job is None or any(one.status == "CANCELLED" for one in workflow):
+        if job is None or job.state is JobState.CANCELLED or any(one.status == "CANCELLED" for one in workflow):
             open_store(self._home).remove_scene(job_id)

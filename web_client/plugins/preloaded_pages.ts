@@ -61,7 +61,8 @@ function links(chunks: readonly Rollup.OutputChunk[], bundle: Rollup.OutputBundl
     if (imported?.type === "chunk") for (const style of imported.viteMetadata?.importedCss ?? []) styles.add(style);
   }
   // A script names what lies beside it without their folder.
-  const named = (name: string): boolean => chunks[0].code.includes(basename(name));
+  const code = [...scripts].map((name) => bundle[name]).flatMap((one) => (one?.type === "chunk" ? [one.code] : []));
+  const named = (name: string): boolean => code.some((one) => one.includes(basename(name)));
   const assets = Object.keys(bundle).filter((name) => bundle[name].type === "asset" && named(name));
   const workers = assets.filter((name) => name.endsWith(".js"));
   const fetched = assets.filter((name) => name.endsWith(".wasm"));

@@ -10,7 +10,7 @@ import pytest
 from hgs_core.base.errors import InputError
 from hgs_core.capture.held_out import AUTO
 from hgs_core.runs.run_config import RunConfig
-from server.cli.training_options import add_masks_option, add_training_options, training_config
+from server.cli.training_options import add_given_options, add_training_options, training_config
 
 
 def config_of(*arguments: str) -> RunConfig:
@@ -51,6 +51,6 @@ def test_a_field_cannot_be_set_and_nested_in_at_once() -> None:
 
 def test_masks_are_a_folder_or_none() -> None:
     parser = argparse.ArgumentParser()
-    add_masks_option(parser)
+    add_given_options(parser)
     assert parser.parse_args([]).masks is None
     assert parser.parse_args(["--masks", "given"]).masks == Path("given")

@@ -8,7 +8,6 @@ import type { SceneEvents } from "./scene_actions";
 import { SceneCards } from "./scene_cards";
 import { arrange, isOrder, ORDERS } from "./scene_order";
 import { emptyState } from "./shell";
-import { UploadPanel } from "./upload_panel";
 
 const FEW = 6; // scenes at a glance
 
@@ -25,6 +24,7 @@ export class SceneSection {
   readonly #tools = element("div", { class: "tools", role: "search", hidden: true }, this.#search, this.#order);
   readonly #none: HTMLElement;
   readonly #nothingFound = element("p", { class: "hint", role: "status" });
+  readonly #sending = element("div", {});
   #scenes: readonly Scene[] = [];
 
   constructor(events: SceneEvents) {
@@ -38,7 +38,7 @@ export class SceneSection {
         { class: "hint" },
         "Turn videos of one moment, filmed from several sides, into a scene you can walk around in.",
       ),
-      new UploadPanel((path) => location.assign(siteUrl(newSceneOf(path)))).node,
+      this.#sending,
       element("a", { href: siteUrl("new") }, "Or choose a capture of the server"),
     );
     this.#none.hidden = true;
@@ -57,8 +57,16 @@ export class SceneSection {
   show(scenes: readonly Scene[]): void {
     this.#scenes = scenes;
     this.#none.hidden = scenes.length > 0;
+    if (scenes.length === 0) void this.#offerSending();
     this.#tools.hidden = scenes.length <= FEW && this.#search.value === "";
     this.#arrange();
+  }
+
+  /** Put the panel that takes a folder in its place, once. */
+  async #offerSending(): Promise<void> {
+    const { UploadPanel } = await import("./upload_panel");
+    if (this.#sending.isConnected)
+      this.#sending.replaceWith(new UploadPanel((path) => location.assign(siteUrl(newSceneOf(path)))).node);
   }
 
   #arrange(): void {
