@@ -121,6 +121,15 @@ def test_a_saved_list_holds_the_splats_of_a_box_alone(browser: Browser, site: Si
     assert any(chunk.id in found.chunks for piece in manifest.slices for chunk in piece.chunks)  # moving ones, too
 
 
+def test_one_tool_is_open_at_a_time(browser: Browser, site: Site) -> None:
+    with viewing(browser, site, viewport=DESKTOP) as page:
+        begin(page)
+        for key, panel, gone in (("v", ".crop-panel", ".clean-panel"), ("n", ".path-panel", ".crop-panel")):
+            page.keyboard.press(key)
+            page.locator(panel).wait_for()
+            assert page.locator(gone).count() == 0
+
+
 def test_strokes_in_quick_succession_all_count(browser: Browser, site: Site) -> None:
     with viewing(browser, site, viewport=DESKTOP) as page:
         begin(page)

@@ -53,9 +53,14 @@ export class KeyFrameTool {
     this.#show();
   }
 
+  /** Whether its panel is shown. */
+  get active(): boolean {
+    return this.#panel.node.isConnected;
+  }
+
   /** Open or close the panel. */
   toggle(): void {
-    if (this.#panel.node.isConnected) {
+    if (this.active) {
       this.#panel.node.remove();
       this.root.querySelector<HTMLElement>(".stage")?.focus({ preventScroll: true });
     } else {

@@ -64,11 +64,16 @@ export class Commands {
 
   constructor(player: HgsPlayer, surroundings: CommandSurroundings) {
     const { bookmarks, keep, root, place, button, keys, link = null, fail, marked, toggleFullscreen } = surroundings;
+    const used = new Set<PageTool>();
     const toggler = (name: keyof PageTools) => {
       const load = surroundings.tools?.[name];
       if (!load) return null;
       const late = new LatePart<PageTool>(async () => load(player, root), fail, player.disposed);
-      return () => late.use((tool) => tool.toggle());
+      return () =>
+        late.use((tool) => {
+          for (const other of used.add(tool)) if (other !== tool && other.active) other.toggle(); // one at a time
+          tool.toggle();
+        });
     };
     const message = new Message(player.disposed);
     const notify = (text: string) => message.show(text);

@@ -6,6 +6,7 @@ import type { SharedView } from "./shared_view";
 
 /** A page's own tool over the picture. */
 export interface PageTool {
+  readonly active: boolean;
   toggle(): void;
 }
 
