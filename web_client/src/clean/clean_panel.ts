@@ -80,7 +80,7 @@ export class CleanPanel {
     this.#hands = new Map(
       HANDS.map(([hand, name]) => [
         hand,
-        element("button", { type: "button", class: "clean-choice", onclick: () => events.hand(hand) }, name),
+        element("button", { type: "button", class: "tool-choice", onclick: () => events.hand(hand) }, name),
       ]),
     );
     this.#middle = button("At the middle", () => events.middle(), "Brush the middle of the picture");
@@ -94,9 +94,13 @@ export class CleanPanel {
     this.#save = button("Save the list", () => events.save(), "For hgs edit --splats");
     this.node = element(
       "section",
-      { class: "clean-panel", "aria-label": "Clean" },
-      element("header", { class: "clean-head" }, element("h2", {}, "Clean"), close),
-      element("div", { class: "clean-choices", role: "group", "aria-label": "Hand" }, ...this.#hands.values()),
+      { class: "tool-panel clean-panel", "aria-label": "Clean" },
+      element("header", { class: "tool-head" }, element("h2", {}, "Clean"), close),
+      element(
+        "div",
+        { class: "tool-choices clean-choices", role: "group", "aria-label": "Hand" },
+        ...this.#hands.values(),
+      ),
       this.#sizeRow,
       element(
         "div",

@@ -3,6 +3,7 @@
 import { resized } from "../camera/pinhole";
 import { element } from "../dom/element";
 import { adoptStyle } from "../dom/shadow_style";
+import toolCss from "../dom/tool_panel.css?inline";
 import type { HgsPlayer } from "../player/hgs_player";
 import { strokeArea } from "./areas";
 import { ChunkLoader } from "./chunk_loader";
@@ -45,7 +46,7 @@ export class CleanTool {
     readonly root: HTMLElement,
     readonly startEdit: StartEdit,
   ) {
-    adoptStyle(root.getRootNode() as ShadowRoot, css);
+    for (const style of [toolCss, css]) adoptStyle(root.getRootNode() as ShadowRoot, style);
     const signal = player.disposed;
     const change = (from: number, to: (mark: number) => number) => () => {
       const marks = this.#session?.marks;

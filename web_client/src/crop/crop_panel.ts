@@ -47,7 +47,7 @@ export class CropPanel {
     this.#kept = [false, true].map((inverse) =>
       element(
         "button",
-        { type: "button", class: "crop-choice", onclick: () => events.inverted(inverse) },
+        { type: "button", class: "tool-choice", onclick: () => events.inverted(inverse) },
         inverse ? "Keep outside" : "Keep inside",
       ),
     );
@@ -63,9 +63,13 @@ export class CropPanel {
     }
     this.node = element(
       "section",
-      { class: "crop-panel", "aria-label": "Crop" },
-      element("header", { class: "crop-head" }, element("h2", {}, "Crop"), reset, close),
-      element("div", { class: "crop-choices", role: "group", "aria-label": "What is kept" }, ...this.#kept),
+      { class: "tool-panel crop-panel", "aria-label": "Crop" },
+      element("header", { class: "tool-head crop-head" }, element("h2", {}, "Crop"), reset, close),
+      element(
+        "div",
+        { class: "tool-choices crop-choices", role: "group", "aria-label": "What is kept" },
+        ...this.#kept,
+      ),
       this.#numbers,
       this.#trim,
       this.#copy,

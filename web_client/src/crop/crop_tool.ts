@@ -3,6 +3,7 @@
 import { project } from "../camera/pinhole";
 import { row } from "../camera/vector";
 import { adoptStyle } from "../dom/shadow_style";
+import toolCss from "../dom/tool_panel.css?inline";
 import type { HgsPlayer } from "../player/hgs_player";
 import css from "./crop.css?inline";
 import { type CropBox, uprightBox } from "./crop_box";
@@ -33,7 +34,7 @@ export class CropTool {
     readonly player: HgsPlayer,
     readonly root: HTMLElement,
   ) {
-    adoptStyle(root.getRootNode() as ShadowRoot, css);
+    for (const style of [toolCss, css]) adoptStyle(root.getRootNode() as ShadowRoot, style);
     const signal = player.disposed;
     this.#drawing = new CropDrawing((handle, event, group) => this.#grab(handle, event, group), signal);
     this.#panel = new CropPanel({

@@ -3,6 +3,7 @@
 import { cropViewOf } from "../crop/crop_view";
 import { element } from "../dom/element";
 import { adoptStyle } from "../dom/shadow_style";
+import toolCss from "../dom/tool_panel.css?inline";
 import type { HgsPlayer } from "../player/hgs_player";
 import type { Viewing } from "../player/viewpoint";
 import { axisFor, middleOf } from "./aim";
@@ -34,7 +35,7 @@ export class KeyFrameTool {
     numbers: readonly number[],
     readonly keep: (numbers: readonly number[]) => void,
   ) {
-    adoptStyle(root.getRootNode() as ShadowRoot, css);
+    for (const style of [toolCss, css]) adoptStyle(root.getRootNode() as ShadowRoot, style);
     this.#keys = keysOf(numbers);
     this.#panel = new PathPanel({
       add: () => this.#add(),

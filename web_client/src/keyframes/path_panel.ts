@@ -48,8 +48,8 @@ export class PathPanel {
     this.#save = button("path-button", () => events.save(), "Save for hgs render");
     this.node = element(
       "section",
-      { class: "path-panel", "aria-label": "Camera path" },
-      element("header", { class: "path-head" }, element("h2", {}, "Camera path"), close),
+      { class: "tool-panel path-panel", "aria-label": "Camera path" },
+      element("header", { class: "tool-head" }, element("h2", {}, "Camera path"), close),
       this.#list,
       this.#add,
       element("div", { class: "path-buttons" }, this.#follow, this.#save),
