@@ -150,9 +150,11 @@ class TrainingWorkflow:
         job = self._table.get(job_id)
         if job is not None and (job.attempt != attempt or job.state is JobState.SUCCEEDED):
             return
+        name = [workflow_id(job_id, attempt)]
         # The row says so a moment later than the workflow.
-        workflow = self._queue.list_workflows(
-            workflow_ids=[workflow_id(job_id, attempt)], load_input=False, load_output=False
-        )
-        if job is None or job.state is JobState.CANCELLED or any(one.status == "CANCELLED" for one in workflow):
+        if (
+            job is None
+            or job.state is JobState.CANCELLED
+            or self._queue.list_workflows(workflow_ids=name, status="CANCELLED", load_input=False, load_output=False)
+        ):
             open_store(self._home).remove_scene(job_id)
