@@ -57,6 +57,7 @@ export class LinearLight {
     gl.disable(gl.SCISSOR_TEST); // otherwise it cuts the copy
     gl.bindFramebuffer(gl.READ_FRAMEBUFFER, target);
     gl.bindFramebuffer(gl.DRAW_FRAMEBUFFER, this.#framebuffer);
+    gl.flush(); // otherwise SwiftShader now and then copies the contents before the host's clearing
     // To the same place: multisampled pixels cannot be copied elsewhere.
     gl.blitFramebuffer(x, y, right, top, x, y, right, top, gl.COLOR_BUFFER_BIT, gl.NEAREST);
     gl.bindFramebuffer(gl.READ_FRAMEBUFFER, read);
