@@ -160,7 +160,7 @@ def _encode(
             "encoding_loss_moving": None if moving is None else round(moving, 4),
         }
         starts = views.start_views(scene)
-        picture = thumbnail(scene, views.first_camera(starts))
+        picture = partial(thumbnail, scene, views.first_camera(starts))
         end = segments[-1].clock.end
         audio = scene_sound(folder, spec, views.capture, scene.start, end)
     else:

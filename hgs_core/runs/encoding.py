@@ -93,7 +93,6 @@ def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, f
     )
     progress(Progress("encode", steps - 2, steps))
     starts = views.start_views(found.scene)
-    picture = thumbnail(found.scene, views.first_camera(starts))
     progress(Progress("encode", steps - 1, steps))
     summary = json.loads(folder.train_summary.read_text())
     training = told_of_training(summary) | {
@@ -108,7 +107,7 @@ def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, f
         times=views.times,
         title=views.title,
         settings=found.settings,
-        thumbnail=picture,
+        thumbnail=partial(thumbnail, found.scene, views.first_camera(starts)),
         training=training,
         utility=found.utility,
         trained=views.rig,

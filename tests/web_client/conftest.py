@@ -93,7 +93,7 @@ def _encode_clouds(out: Path) -> None:
         cameras=[Camera(name, WIDTH, HEIGHT, 300.0, 280.0, 170.5, 92.0, pose) for name, pose in poses.items()],
         times=np.linspace(0.0, 2.0, FRAMES),
         title="Clouds",
-        thumbnail=thumbnail.getvalue(),
+        thumbnail=lambda alone: thumbnail.getvalue(),
     )
 
 

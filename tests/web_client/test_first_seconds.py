@@ -114,7 +114,7 @@ def test_the_poster_is_framed_as_the_first_picture(browser: Browser, site: Site,
         cameras=manifest.cameras,
         times=np.linspace(0.0, 2.0, 31),
         title="Framed",
-        thumbnail=thumbnail.getvalue(),
+        thumbnail=lambda alone: thumbnail.getvalue(),
     )
     publish_to_folder(run, tmp_path / "site", player=PLAYER)
     (tmp_path / "home").mkdir()

@@ -57,7 +57,7 @@ def encode_scene(
     times: NDArray[np.float64],
     title: str,
     settings: EncodeSettings | None = None,
-    thumbnail: bytes | None = None,
+    thumbnail: Callable[[bool], bytes] | None = None,
     training: Mapping[str, Any] | None = None,
     utility: Utility | None = None,
     closer: Sequence[Camera] = (),
@@ -70,14 +70,15 @@ def encode_scene(
 ) -> Manifest:
     """Write `scene` to the folder `out` and return its manifest.
 
-    `times` [F] are the seconds of the capture's frames, `thumbnail` the bytes of a JPEG picture, `training` anything
-    JSON can hold, `utility` what every splat was measured to do to the capture's pictures (else it is guessed from size
-    and opacity, and nothing is pruned for it). Splats are sized for how `cameras` and `closer` see them; the manifest
-    names the former. `trained` are those of them whose pictures made the scene: they tell the manifest's captured
-    space, which it lacks without them; `narrowed` returns that space with further limits, given also its centre and the
-    scene's `up`. `start_views` are the first views of viewers, else the first camera. `metres_per_unit`, above 0, tells
-    headsets how large the scene is, where that is known. `up` is the unit vector that points upwards; without it, the
-    mean of the cameras' upward directions. `audio` is the scene's sound, on the clock of `times`.
+    `times` [F] are the seconds of the capture's frames, `thumbnail` returns a JPEG picture, given whether viewers begin
+    with the subject alone, `training` is anything JSON can hold, `utility` what every splat was measured to do to the
+    capture's pictures (else it is guessed from size and opacity, and nothing is pruned for it). Splats are sized for
+    how `cameras` and `closer` see them; the manifest names the former. `trained` are those of them whose pictures made
+    the scene: they tell the manifest's captured space, which it lacks without them; `narrowed` returns that space with
+    further limits, given also its centre and the scene's `up`. `start_views` are the first views of viewers, else the
+    first camera. `metres_per_unit`, above 0, tells headsets how large the scene is, where that is known. `up` is the
+    unit vector that points upwards; without it, the mean of the cameras' upward directions. `audio` is the scene's
+    sound, on the clock of `times`.
     Equal arguments give equal bytes. The manifest appears last and atomically; chunks of an earlier scene in the same
     folder are removed after that.
 
@@ -114,6 +115,9 @@ def encode_scene(
         slices += pieces
         coded += chunks
     space = find_captured_space(trained, view.center, up, moves=scene.dynamic_splats > 0) if trained else None
+    if space and narrowed:
+        space = narrowed(space, view.center, up)
+    alone = space is not None and space.subject_only
     manifest = Manifest(
         title=title,
         start=scene.start,
@@ -132,13 +136,13 @@ def encode_scene(
         antialiased=scene.antialiased,
         start_views=start_views,
         photographed=bool(trained),
-        captured_space=narrowed(space, view.center, up) if space and narrowed else space,
+        captured_space=space,
         metres_per_unit=metres_per_unit,
         audio=None if audio is None else audio.entry,
         version=max([VERSIONS[0], *(chunk.version for chunk in coded)]),
     )
     stored = {chunk.entry.id: chunk.data for chunk in coded} | dict(audio.chunks if audio is not None else {})
-    _write(out, manifest, stored, thumbnail)
+    _write(out, manifest, stored, None if thumbnail is None else thumbnail(alone))
     return manifest
 
 

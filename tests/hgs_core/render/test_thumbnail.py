@@ -49,6 +49,12 @@ def test_it_shows_the_middle_of_the_scene() -> None:
     assert at[0.5] < min(0.02, at[0.4], at[0.6])  # 0.02: what JPEG may lose, chiefly of colour at half the size
 
 
+def test_the_subject_alone_has_nothing_that_stands_still() -> None:
+    none = static_splats(0, dtype=torch.float32).map(torch.Tensor.numpy)
+    assert thumbnail(SCENE, VIEW, subject_only=True) == thumbnail(replace(SCENE, static=none), VIEW)
+    assert thumbnail(SCENE, VIEW, subject_only=True) != thumbnail(SCENE, VIEW)
+
+
 @pytest.mark.parametrize("antialiased", [False, True])
 def test_thin_splats_fade_where_the_scene_is_antialiased(antialiased: bool) -> None:
     """White needles on black: JPEG blurs them, but keeps how bright they are together."""

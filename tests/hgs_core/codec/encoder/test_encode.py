@@ -122,7 +122,7 @@ def test_equal_splats_do_not_make_equal_chunks(tmp_path: Path, cameras: list[Cam
 
 
 def test_the_folder_holds_what_the_manifest_says_and_nothing_else(tmp_path: Path, cameras: list[Camera]) -> None:
-    encode(scene(static=300), tmp_path, cameras, thumbnail=b"jpeg")
+    encode(scene(static=300), tmp_path, cameras, thumbnail=lambda alone: b"jpeg")
     manifest = encode(scene(static=100), tmp_path, cameras, training={"psnr": 30.5})
     assert load_manifest(tmp_path).to_json() == manifest.to_json()
     files = {path.name: path.read_bytes() for path in (tmp_path / "chunks").iterdir()}

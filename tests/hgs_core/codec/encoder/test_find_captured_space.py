@@ -174,3 +174,14 @@ def test_the_manifest_has_the_space_as_it_is_narrowed_and_the_chunks_stay_as_the
     assert load_manifest(tmp_path / "narrowed").captured_space == manifest.captured_space
     assert manifest.chunks == whole.chunks
     assert encode(scene(), tmp_path / "unknown", cameras, narrowed=narrowed).captured_space is None
+
+
+@pytest.mark.parametrize("alone", [False, True])
+def test_the_thumbnail_is_that_of_the_space_as_it_is_narrowed(
+    tmp_path: Path, cameras: list[Camera], alone: bool
+) -> None:
+    def narrowed(space: CapturedSpace, *where: tuple[float, float, float]) -> CapturedSpace:
+        return dataclasses.replace(space, subject_only=alone)
+
+    encode(scene(), tmp_path, cameras, trained=cameras, narrowed=narrowed, thumbnail=lambda asked: str(asked).encode())
+    assert (tmp_path / "thumbnail.jpg").read_bytes() == str(alone).encode()
