@@ -1,16 +1,20 @@
-"""Statics that lie on a backdrop: thin discs in its surface, wherever their steps have pulled them."""
+"""Statics that lie on a backdrop: thin discs in its surface, unless two cameras show where they are."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+import numpy.typing as npt
 import torch
 from torch import Tensor
 
 from hgs_core.points.backdrop import Backdrop
+from hgs_core.points.visibility import pixels_inside
+from hgs_core.scene.camera import Camera
 from hgs_core.scene.rotations import matrices, product, unit_quaternions
 from hgs_core.scene.splats import StaticSplats
 from hgs_core.train.checkpoint import TrainState
@@ -18,7 +22,7 @@ from hgs_core.train.control.backdrop_fill import FILLED_AT
 from hgs_core.train.control.round import RoundContext
 from hgs_core.train.train_config import TrainConfig
 
-__all__ = ["BackdropRound", "laid_on"]
+__all__ = ["BackdropRound", "laid_on", "shown_once"]
 
 _EVERY = 10  # iterations
 _LONGEST = 0.02  # longest axis on the floor, share of the radius: wide discs cover the feet behind their middles
@@ -27,7 +31,7 @@ _THICKNESS = 0.1  # shortest axis, most share of the middle one
 
 @dataclass(frozen=True)
 class BackdropRound:
-    """Lays the statics on the backdrop again."""
+    """Lays the statics on the backdrop again, but for those in two pictures: these agree on their places."""
 
     name: ClassVar[str] = "backdrop"
     on_host: ClassVar[bool] = True
@@ -42,10 +46,20 @@ class BackdropRound:
     def apply(self, state: TrainState, context: RoundContext) -> None:
         """Change the state in place; the optimiser's moments stay."""
         filled = context.iteration + 1 >= FILLED_AT * self.config.iterations
-        laid = laid_on(self.backdrop, state.static, wide=filled)
-        state.static.means.copy_(laid.means)
-        state.static.quats.copy_(laid.quats)
-        state.static.log_scales.copy_(laid.log_scales)
+        rows = torch.from_numpy(shown_once(state.static, context.views.cameras))
+        laid = laid_on(self.backdrop, state.static.take(rows), wide=filled)
+        state.static.means[rows] = laid.means
+        state.static.quats[rows] = laid.quats
+        state.static.log_scales[rows] = laid.log_scales
+
+
+def shown_once(static: StaticSplats[Tensor], cameras: Sequence[Camera]) -> npt.NDArray[np.int64]:
+    """Return the rows [R] of statics with centres in fewer than two cameras' pictures, whether or not hidden there."""
+    xyz = static.means.numpy().astype(np.float64)
+    pictures = np.zeros(len(xyz), np.int64)
+    for camera in cameras:
+        pictures[pixels_inside(camera, xyz)[0]] += 1
+    return np.flatnonzero(pictures < 2)
 
 
 def laid_on(backdrop: Backdrop, static: StaticSplats[Tensor], *, wide: bool = False) -> StaticSplats[Tensor]:

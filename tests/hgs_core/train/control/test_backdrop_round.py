@@ -1,16 +1,19 @@
-"""Statics that were pulled off their backdrop lie on it again."""
+"""Statics that were pulled off their backdrop lie on it again, unless two pictures show them."""
 
 from __future__ import annotations
 
 import math
 
 import numpy as np
+import pytest
 import torch
 
 from hgs_core.points.backdrop import Backdrop
 from hgs_core.scene.rotations import matrices
-from hgs_core.train.control.backdrop_round import BackdropRound, laid_on
+from hgs_core.train.control.backdrop_round import BackdropRound, laid_on, shown_once
 from hgs_core.train.train_config import TrainConfig
+from hgs_core.train.training_views import TrainingViews
+from tests.hgs_core.render.scenes import camera
 from tests.hgs_core.train.conftest import Apply, state_of
 from tests.synthetic import synthetic_scene
 
@@ -51,11 +54,31 @@ def test_what_lies_on_it_stays_as_it_is() -> None:
         torch.testing.assert_close(one, two, atol=1e-5, rtol=0, msg=name)
 
 
-def test_a_round_lays_them_down_every_ten_iterations(applied: Apply) -> None:
+def test_a_round_lays_down_every_ten_iterations_what_fewer_than_two_pictures_show(
+    applied: Apply, views: TrainingViews
+) -> None:
     static, dynamic = synthetic_scene()
+    static.means[:] = static.means.mean(0)
+    static.means[::2] += 50
+    rows = shown_once(static, views.cameras)
+    assert list(rows) == list(range(0, len(static), 2))
     state = state_of(static.map(torch.clone), dynamic.map(torch.clone))
     control = BackdropRound(TrainConfig(iterations=100), BACKDROP)
     assert [i for i in range(25) if control.due(i)] == [9, 19]
     applied(control, state)
-    assert torch.equal(state.static.means, laid_on(BACKDROP, static).means)
+    laid = laid_on(BACKDROP, static)
+    for name, array in state.static.items():
+        assert torch.equal(array[::2], getattr(laid, name)[::2]), name
+        assert torch.equal(array[1::2], getattr(static, name)[1::2]), name
     assert torch.equal(state.dynamic.motion, dynamic.motion)
+
+
+@pytest.mark.parametrize(("cameras", "alone"), [(0, True), (1, True), (2, False), (3, False)])
+def test_one_picture_does_not_show_where_a_splat_is(cameras: int, alone: bool) -> None:
+    static, _ = synthetic_scene()
+    before, beside = static.take([0]), static.take([0])
+    before.means[:] = torch.tensor([0.0, 0.0, 3.0])
+    beside.means[:] = torch.tensor([30.0, 0.0, 3.0])
+    rig = [camera(64, 48)] * cameras
+    assert len(shown_once(before, rig)) == alone
+    assert len(shown_once(beside, rig)) == 1
