@@ -22,6 +22,7 @@ from hgs_core.evaluate.run import evaluate_run
 from hgs_core.evaluate.truth import Truth
 from hgs_core.runs.creation import create_run
 from hgs_core.runs.encoding import encode
+from hgs_core.runs.given_files import GivenFiles
 from hgs_core.runs.stages import train
 from hgs_core.scene.files import load_scene, save_scene
 
@@ -49,7 +50,7 @@ def ablate(ablation: Ablation, progress: ProgressCallback) -> dict[str, Any]:
     moving: dict[str, float] = {}
     result: dict[str, Any] = {}
     for run in runs:
-        create_run(run.path, ablation.capture, run.config, masks=ablation.masks)
+        create_run(run.path, ablation.capture, run.config, GivenFiles(ablation.masks))
         with run.folder.exclusive():
             finished = _finish(ablation, run, runs, _labelled(progress, f"{run.row.name} {run.seed}"))
         scores.setdefault(run.row.name, {})[run.seed] = finished

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from hgs_core.base.errors import InputError
 from hgs_core.capture.cameras.camera_formats import calibration
-from hgs_core.capture.footage import FEWEST_VIDEOS, find_places
+from hgs_core.capture.footage import FEWEST_VIDEOS, find_places, require_folder
 from hgs_core.capture.sound.sound_only import is_sound_only
 
 __all__ = ["are_enough_videos", "find_videos", "folder_below", "has_poses"]
@@ -27,9 +27,7 @@ def find_videos(folder: Path) -> dict[str, Path]:
     Raises:
         InputError: the folder is missing, has no two videos, or two of one name.
     """
-    if not folder.is_dir():
-        problem = "is a file, not a folder" if folder.exists() else "the folder does not exist"
-        raise InputError(folder, problem, "give a folder of videos, one of each camera")
+    require_folder(folder, "give a folder of videos, one of each camera")
     for place in find_places(folder):
         footage = [one for one in place.footage if not (one.video and is_sound_only(one.files[0]))]
         if place.kind == "videos" and len(footage) > 1:

@@ -18,9 +18,20 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
+from hgs_core.base.errors import InputError
 from hgs_core.capture.pictures.picture import list_folder, list_folders
 
-__all__ = ["FEWEST_VIDEOS", "Footage", "Kind", "Place", "find_places", "is_picture", "is_video", "natural_order"]
+__all__ = [
+    "FEWEST_VIDEOS",
+    "Footage",
+    "Kind",
+    "Place",
+    "find_places",
+    "is_picture",
+    "is_video",
+    "natural_order",
+    "require_folder",
+]
 
 Kind = Literal["videos", "folders", "moments", "photographs"]
 
@@ -123,6 +134,16 @@ def natural_order(name: str) -> tuple[tuple[int, int, str], ...]:
     """Return the sort key of natural order: cam2 before cam10."""
     parts = (part for part in _DIGITS.split(name.casefold()) if part)
     return (*((0, int(part), "") if part.isdigit() else (1, 0, part) for part in parts), (-1, 0, name))
+
+
+def require_folder(path: Path, cure: str) -> None:
+    """Refuse a capture's path that leads to no folder.
+
+    Raises:
+        InputError: it is a file, or nothing is there.
+    """
+    if not path.is_dir():
+        raise InputError(path, "is a file, not a folder" if path.exists() else "the folder does not exist", cure)
 
 
 def find_places(capture: Path) -> list[Place]:

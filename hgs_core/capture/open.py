@@ -11,7 +11,7 @@ from hgs_core.base.errors import InputError
 from hgs_core.base.wording import counted
 from hgs_core.capture.cameras.camera_formats import CAMERA_FORMATS, calibration
 from hgs_core.capture.capture import Capture
-from hgs_core.capture.footage import FEWEST_VIDEOS, find_places
+from hgs_core.capture.footage import FEWEST_VIDEOS, find_places, require_folder
 from hgs_core.capture.load import load
 from hgs_core.capture.sound.sound_only import is_sound_only
 
@@ -56,9 +56,7 @@ def open_capture(
         (48, 64, 3)
     """
     path = Path(path)
-    if not path.is_dir():
-        problem = "the capture is a file, not a folder" if path.exists() else "the folder does not exist"
-        raise InputError(path, problem, "give the folder of a capture")
+    require_folder(path, "give the folder of a capture")
     for factor in (downscale, *reductions.values()):
         if factor < 1:
             raise InputError("downscale", f"{factor} is too small", "give 1 or more")

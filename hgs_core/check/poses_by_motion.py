@@ -142,12 +142,13 @@ def judge_by_motion(
         is not None
         and error < later / 2
     )
+    typical = float(np.median([error for error in errors if error is not None]))
+    told_of_all = f"what moves lies {typical:.1f} px from where the poses of all cameras say"
+    whole = SilhouettesOfRig(names, compared, shapes.given, shapes.frames_of_step)
     if suspects.whole_rig:
-        off = float(np.median([error for error in errors if error is not None]))
-        told = f"what moves lies {off:.1f} px from where the poses of all cameras say"
-        findings = SilhouettesOfRig(names, compared, shapes.given, shapes.frames_of_step).whole_rig(rig, told, off)
-        return PosesByMotion(shown, tuple(findings or [_unexplained((), told)]))
-    findings = []
+        findings = whole.whole_rig(rig, told_of_all, typical)
+        return PosesByMotion(shown, tuple(findings or [_unexplained((), told_of_all)]))
+    findings, explained = [], True
     for camera in suspects.odd:
         off = suspects.errors[camera] or 0.0
         mine = {
@@ -161,7 +162,10 @@ def judge_by_motion(
         elif cause is not None:
             findings.append(cause.finding(True, (names[camera],), told, names))
         else:
+            explained = False
             findings.append(_unexplained((names[camera],), told))
+    if not explained:  # a wrong reading of all poses may spare two cameras of a level rig
+        findings = whole.whole_rig(rig, told_of_all, typical) or findings
     return PosesByMotion(shown, tuple(findings), in_step)
 
 

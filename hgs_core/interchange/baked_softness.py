@@ -11,14 +11,13 @@ import numpy as np
 from hgs_core.base.arrays import Doubles, Floats
 from hgs_core.interchange.smoothing_filter import widened
 from hgs_core.scene.camera import Camera
+from hgs_core.scene.low_pass import COMPENSATION_MIN, LOW_PASS
 from hgs_core.scene.motion import position
 from hgs_core.scene.rotations import matrices, unit_quaternions
 from hgs_core.scene.splats import HybridScene, Segment
 
 __all__ = ["with_baked_softness"]
 
-LOW_PASS = 0.3  # pixels squared (docs/numerics.md, "Projection")
-FADED = 0.005  # least factor of an opacity (docs/numerics.md, "Antialiasing")
 BESIDE = 0.1  # share of a picture's sides around it in which a splat's centre still counts as shown
 
 
@@ -57,7 +56,7 @@ def _softened(
         pixels, depth = camera.project(places)
         inside = camera.shows(pixels, depth, beside=BESIDE)
         sharp, blurred = _determinants(camera, places[inside], axes[inside])
-        factors[inside] += np.sqrt(np.maximum(FADED**2, sharp / blurred))
+        factors[inside] += np.sqrt(np.maximum(COMPENSATION_MIN**2, sharp / blurred))
         shown += inside
         spacing[inside] = np.minimum(spacing[inside], depth[inside] / max(camera.fx, camera.fy))
     seen = shown > 0

@@ -15,9 +15,9 @@ from hgs_core.base.wording import counted
 from hgs_core.calibrate.uncalibrated import are_enough_videos, find_videos, folder_below, has_poses
 from hgs_core.capture.capture import Capture
 from hgs_core.capture.held_out import AUTO, with_held_out
-from hgs_core.capture.open import open_capture
 from hgs_core.capture.pictures.video import VideoReader
 from hgs_core.capture.pictures.video_index import indexed_packets
+from hgs_core.runs.given_files import GivenFiles
 from hgs_core.runs.require_room import require_room_for
 from hgs_core.runs.run_config import RunConfig
 from hgs_core.runs.run_folder import RunFolder, RunSpec
@@ -29,22 +29,11 @@ _MIN_CAMERAS = 2
 log = logging.getLogger(__name__)
 
 
-def create_run(
-    run: Path,
-    capture: Path,
-    config: RunConfig,
-    *,
-    masks: Path | None = None,
-    depth: Path | None = None,
-    mesh: Path | None = None,
-    audio: str = "auto",
-) -> RunConfig:
+def create_run(run: Path, capture: Path, config: RunConfig, given: GivenFiles | None = None) -> RunConfig:
     """Check the capture and the config and write `run`/run.json; an equal run that is there already is kept.
 
-    `masks` is a folder of masks, `depth` one of depth maps and `mesh` a file to use instead of the capture's own.
-    `audio` is the sound: "auto" for that of the first camera with any, "camera:" and the name of one, "none", or a
-    file. What was left out or found is logged. Returns the config of the run, which names the camera that is held out
-    where `config` leaves the choice; that of videos without poses is chosen when `prepare` has found them.
+    What was left out or found is logged. Returns the config of the run, which names the camera that is held out where
+    `config` leaves the choice; that of videos without poses is chosen when `prepare` has found them.
 
     Raises:
         InputError: the capture is unusable, a held-out camera is unknown, the file has no sound, or the folder is
@@ -52,17 +41,9 @@ def create_run(
     """
     from hgs_core.runs.sound import require_sound_file, require_sounding_video
 
-    audio = require_sound_file(audio)
-    spec = RunSpec(
-        capture.resolve(),
-        "",
-        config,
-        masks and masks.resolve(),
-        prepared=False,
-        audio=audio,
-        depth=depth and depth.resolve(),
-        mesh=mesh and mesh.resolve(),
-    )
+    given = given or GivenFiles()
+    audio = require_sound_file(given.audio)
+    spec = RunSpec(capture.resolve(), "", config, given.resolved(), prepared=False).with_audio(audio)
     folder = RunFolder(run)
     found = folder.found if folder.found.is_dir() else None
     if not has_poses(capture) and (found is None or not has_poses(found)) and are_enough_videos(capture):
@@ -74,15 +55,7 @@ def create_run(
         require_sounding_video(audio, videos)
         folder.write_spec(spec)
         return config
-    opened = open_capture(
-        capture,
-        masks=masks,
-        depth=depth,
-        mesh=mesh,
-        downscale=config.capture.downscale,
-        reductions=config.capture.reductions,
-        found=found,
-    )
+    opened = RunSpec(capture, "", config, given, found=found).open_unchecked()  # errors name paths as they were given
     sources = [opened.video(camera) for camera in range(len(opened.cameras))]
     require_sounding_video(
         audio, {one.name: video and video[0] for one, video in zip(opened.cameras, sources, strict=True)}
@@ -142,16 +115,7 @@ def prepare(run: Path, progress: ProgressCallback) -> None:
 
     found = prepared_capture(spec, folder.found, progress)
     spec = dataclasses.replace(spec, found=found, prepared=True)
-    reduced = spec.config.capture
-    opened = open_capture(
-        spec.capture,
-        masks=spec.masks,
-        depth=spec.depth,
-        mesh=spec.mesh,
-        downscale=reduced.downscale,
-        reductions=reduced.reductions,
-        found=found,
-    )
+    opened = spec.open_unchecked()
     config = _with_held_out(spec.config, folder, opened)
     _require_enough(config, opened)
     if not spec.fingerprint:

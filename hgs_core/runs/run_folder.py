@@ -10,12 +10,13 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from hgs_core.base.atomic import write_bytes
 from hgs_core.base.errors import InputError
+from hgs_core.runs.given_files import GivenFiles
 from hgs_core.runs.lease import LeaseHeldError, lease
 from hgs_core.runs.run_config import RunConfig
 
@@ -34,14 +35,11 @@ class RunSpec:
     capture: Path
     fingerprint: str  # fingerprint of the capture at the run's creation
     config: RunConfig
-    masks: Path | None = None  # a folder of masks that replaces the capture's own
+    given: GivenFiles = field(default_factory=GivenFiles)
     without_capture: bool = False  # imported or edited: `capture` is the scene's source, without pictures
     found: Path | None = None  # a folder with cameras and a sync.json, where the capture's own could not be written
     prepared: bool = True  # False: cameras, or when the videos began, are still to be found
     edited: bool = False  # then without a capture
-    audio: str = "auto"  # the sound: of the capture, "camera:" and a name, "none", or a file
-    depth: Path | None = None  # a folder of depth maps that replaces the capture's own
-    mesh: Path | None = None  # a mesh that replaces the capture's own
 
     def open_capture(self, *, cache_bytes: int = 1 << 30, index: Path | None = None) -> Capture:
         """Open the capture as the run sees it: with its masks and at its resolution; `index` as `open_capture` has it.
@@ -50,8 +48,6 @@ class RunSpec:
             InputError: as `hgs_core.capture.open.open_capture`, or the files are not those the run began with, or the
                 run was imported without a capture, or edited.
         """
-        from hgs_core.capture.open import open_capture  # the API process knows runs, and opens no capture
-
         if self.edited:
             raise InputError(
                 self.capture, "was edited, so that no pictures show the scene as it is now", "score that run itself"
@@ -60,20 +56,29 @@ class RunSpec:
             raise InputError(self.capture, "was imported without a capture", "import it again with --capture")
         if not self.fingerprint:
             raise InputError(self.capture, "the run has not found its cameras yet", "run hgs train to its end first")
-        reduced = self.config.capture
-        capture = open_capture(
+        capture = self.open_unchecked(cache_bytes=cache_bytes, index=index)
+        self.check_unchanged(capture)
+        return capture
+
+    def open_unchecked(self, *, cache_bytes: int = 1 << 30, index: Path | None = None) -> Capture:
+        """Open the capture as `open_capture` does, with files that may have changed.
+
+        Raises:
+            InputError: as `hgs_core.capture.open.open_capture`.
+        """
+        from hgs_core.capture.open import open_capture  # the API process knows runs, and opens no capture
+
+        return open_capture(
             self.capture,
-            masks=self.masks,
-            depth=self.depth,
-            mesh=self.mesh,
-            downscale=reduced.downscale,
-            reductions=reduced.reductions,
+            masks=self.given.masks,
+            depth=self.given.depth,
+            mesh=self.given.mesh,
+            downscale=self.config.capture.downscale,
+            reductions=self.config.capture.reductions,
             cache_bytes=cache_bytes,
             found=self.found,
             index=index,
         )
-        self.check_unchanged(capture)
-        return capture
 
     def trusting(self, poses: bool) -> RunSpec:
         """Return the specification with `trust_poses` as given; it lets a run go on and changes no result."""
@@ -81,7 +86,7 @@ class RunSpec:
 
     def with_audio(self, audio: str) -> RunSpec:
         """Return the specification with another sound."""
-        return dataclasses.replace(self, audio=audio)
+        return dataclasses.replace(self, given=dataclasses.replace(self.given, audio=audio))
 
     def check_unchanged(self, capture: Capture) -> None:
         """Refuse a capture with other files than those at the run's beginning.
@@ -158,10 +163,8 @@ class RunFolder:
             "capture": str(spec.capture),
             "fingerprint": spec.fingerprint,
             "config": spec.config.to_json(),
+            **spec.given.to_json(),
         }
-        for name, path in (("masks", spec.masks), ("depth", spec.depth), ("mesh", spec.mesh)):
-            if path is not None:
-                value[name] = str(path)
         if spec.without_capture:
             value["without_capture"] = True
         if spec.found is not None:
@@ -170,8 +173,6 @@ class RunFolder:
             value["prepared"] = False
         if spec.edited:
             value["edited"] = True
-        if spec.audio != "auto":
-            value["audio"] = spec.audio
         write_bytes(self.spec, json.dumps(value, indent=1).encode())
 
     @contextmanager
@@ -213,14 +214,13 @@ class RunFolder:
         try:
             value: dict[str, Any] = json.loads(self.spec.read_text())
             config = RunConfig.from_json(value["config"])
-            masks, depth, mesh = (Path(value[name]) if name in value else None for name in ("masks", "depth", "mesh"))
+            given = GivenFiles.from_json(value)
             without = bool(value.get("without_capture", False))
             found = self.found if value.get("found", False) else None
             prepared = bool(value.get("prepared", True))
             edited = bool(value.get("edited", False))
             capture, fingerprint = Path(value["capture"]), str(value["fingerprint"])
-            audio = str(value.get("audio", "auto"))
-            return RunSpec(capture, fingerprint, config, masks, without, found, prepared, edited, audio, depth, mesh)
+            return RunSpec(capture, fingerprint, config, given, without, found, prepared, edited)
         except FileNotFoundError as error:
             raise InputError(self.path, "is not a run: it has no run.json", "make one with hgs train") from error
         except InputError as error:

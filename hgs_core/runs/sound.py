@@ -67,13 +67,13 @@ def scene_sound(
         InputError: the file or the camera's video that the run was given is gone or damaged; a capture's own sound that
             is damaged is left out, and a line says so.
     """
-    if spec.audio == NO_SOUND:
+    if spec.given.audio == NO_SOUND:
         return None
-    if (name := camera_of_sound(spec.audio)) is not None:
+    if (name := camera_of_sound(spec.given.audio)) is not None:
         path, offset = _video_of(name, capture)
         return _coded(cut_sound(path, start, end, offset), path)
-    if spec.audio != OWN_SOUND:
-        file = Path(spec.audio)
+    if spec.given.audio != OWN_SOUND:
+        file = Path(spec.given.audio)
         return _coded(cut_sound(file, start, end, _placed(file, capture) - sound_begin(file)), file)
     if capture is None:
         return read_audio(folder.scene, load_manifest(folder.manifest)) if folder.manifest.exists() else None

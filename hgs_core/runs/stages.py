@@ -21,6 +21,7 @@ from hgs_core.check.findings import CaptureCheck
 from hgs_core.runs.asked_edit import make_edit
 from hgs_core.runs.creation import create_run, prepare
 from hgs_core.runs.encoding import encode
+from hgs_core.runs.given_files import GivenFiles
 from hgs_core.runs.require_room import require_room
 from hgs_core.runs.run_config import RunConfig
 from hgs_core.runs.run_folder import RunFolder
@@ -204,7 +205,7 @@ def train_scene(
         ['chunks', 'manifest.json', 'thumbnail.jpg']
     """
     new = not RunFolder(out).spec.exists()
-    create_run(out, capture, config or RunConfig(), masks=masks, depth=depth, mesh=mesh, audio=audio)
+    create_run(out, capture, config or RunConfig(), GivenFiles(masks, depth, mesh, audio))
     try:
         need = require_room(out)
     except InputError:

@@ -3,23 +3,21 @@
 from __future__ import annotations
 
 import contextlib
-import importlib
 import shutil
 from collections.abc import Collection, Sequence
-from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Protocol, Self
+from typing import Self
 
 import sqlalchemy as sa
 
 from hgs_core.base.errors import InputError
-from hgs_core.base.storable_text import require_storable
 from jobs.home.database import create_engine, open_client, prepare_database
 from jobs.home.home import Home
 from jobs.queue.edit_job import make_edit_job
 from jobs.queue.edit_request import EditRequest
 from jobs.queue.enqueue import enqueue, workflow_id
-from jobs.queue.job_request import MAX_PATH, MAX_TITLE, JobRequest, one_line, readable_id
+from jobs.queue.job_request import JobRequest
+from jobs.queue.training_job import CreateRun, make_training_job
 from jobs.records.announcements import Announcement, WebhookTable
 from jobs.records.job import Job, JobState, Place
 from jobs.records.job_filter import JobFilter
@@ -27,26 +25,7 @@ from jobs.records.job_table import JobTable, metadata
 from jobs.records.worker_register import Worker, list_workers
 from jobs.runs.run_places import run_place
 
-if TYPE_CHECKING:
-    from hgs_core.runs.run_config import RunConfig
-
-__all__ = ["CreateRun", "JobClient", "JobConflictError", "KeyReusedError"]
-
-
-class CreateRun(Protocol):
-    """The beginning of a run, as in `hgs_core.runs.creation.create_run`."""
-
-    def __call__(  # noqa: D102
-        self,
-        run: Path,
-        capture: Path,
-        config: RunConfig,
-        *,
-        masks: Path | None,
-        depth: Path | None,
-        mesh: Path | None,
-        audio: str,
-    ) -> RunConfig: ...
+__all__ = ["JobClient", "JobConflictError", "KeyReusedError"]
 
 
 class JobConflictError(Exception):
@@ -90,45 +69,17 @@ class JobClient:
 
         Whatever is raised, nothing stays behind.
         """
-        capture = request.capture.expanduser().resolve()
-        require_storable("capture", str(capture), MAX_PATH)  # a symbolic link may lead to any name
         if earlier := self._earlier(request):
             return earlier
-        title = request.title.strip() or one_line(capture.name)[:MAX_TITLE]
-        job_id = readable_id(title, "job")
-        run = self.home.run(job_id)
-        create_run: CreateRun = self._create_run or importlib.import_module(self.home.pipeline).create_run
+        job = make_training_job(self.home, request, self._create_run)
         try:
-            config = create_run(
-                run,
-                capture,
-                request.config,
-                masks=request.masks,
-                depth=request.depth,
-                mesh=request.mesh,
-                audio=request.audio,
-            )
-            job = Job(
-                id=job_id,
-                title=title,
-                capture=str(capture),
-                config=config.to_json(),
-                labels=request.labels,
-                priority=request.priority,
-                time_limit=request.time_limit,
-                webhook=request.webhook,
-                audio=request.audio,
-            )
             self._add(job, (request.key, request.digest) if request.key else None)
-        except sa.exc.IntegrityError:
-            self._forget(job_id)
-            if earlier := self._earlier(request):  # asked for at the same moment
-                return earlier
+        except BaseException as error:
+            self._forget(job.id)
+            if isinstance(error, sa.exc.IntegrityError) and (earlier := self._earlier(request)):
+                return earlier  # asked for at the same moment
             raise
-        except BaseException:
-            self._forget(job_id)
-            raise
-        return job_id
+        return job.id
 
     def edit(self, request: EditRequest) -> str:
         """Queue the edit of a published scene and return the job's id, which the new scene will have.

@@ -8,12 +8,13 @@ import math
 import re
 import secrets
 import unicodedata
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.storable_text import require_storable
+from hgs_core.runs.given_files import GivenFiles
 from jobs.queue.enqueue import MAX_PRIORITY
 from jobs.records.job_filter import checked_labels
 from jobs.webhooks.webhook_rules import WebhookRules
@@ -36,15 +37,12 @@ class JobRequest:
     capture: Path
     config: RunConfig
     title: str = ""
-    masks: Path | None = None  # a folder of masks to use instead of the capture's own
-    audio: str = "auto"  # sound, in the form of `hgs_core.runs.stages.train_scene`; files by absolute paths
+    given: GivenFiles = field(default_factory=GivenFiles)  # a sound by its absolute path
     labels: tuple[str, ...] = ()  # search terms for people
     priority: int = 0  # -100 to 100: the highest are taken first
     time_limit: float = 0.0  # seconds that an attempt may take once a worker has taken it; 0: any
     webhook: str = ""  # a URL that is told when the job ends
     key: str = ""  # idempotency key: the same request with the same key is the same job
-    depth: Path | None = None  # a folder of depth maps to use instead of the capture's own
-    mesh: Path | None = None  # a mesh to use instead of the capture's own
 
     def __post_init__(self) -> None:
         """Check the texts shown to people.
@@ -56,8 +54,8 @@ class JobRequest:
         require_storable("title", self.title, MAX_TITLE)
         if one_line(self.title) != self.title:
             raise InputError.of_field("title", f"{self.title!a} holds control characters", "give one line of text")
-        for field in ("capture", "masks", "depth", "mesh", "audio"):
-            require_storable(field, str(getattr(self, field) or ""), MAX_PATH)
+        for name, path in (("capture", str(self.capture)), *self.given.to_json().items()):
+            require_storable(name, path, MAX_PATH)
         object.__setattr__(self, "labels", checked_labels(self.labels))
         if not -MAX_PRIORITY <= self.priority <= MAX_PRIORITY:
             raise InputError.of_field(
@@ -81,15 +79,16 @@ class JobRequest:
             str(self.capture),
             self.config.to_json(),
             self.title,
-            str(self.masks or ""),
+            str(self.given.masks or ""),
             self.labels,
             self.priority,
             self.time_limit,
             self.webhook,
         ]
-        if self.audio != "auto":  # keys that were given before there was a choice still hold
-            asked.append(self.audio)
-        asked += [f"{name} {path}" for name, path in (("depth", self.depth), ("mesh", self.mesh)) if path is not None]
+        # Keys that were given before there were these still hold.
+        given = self.given.to_json()
+        asked += [given["audio"]] if "audio" in given else []
+        asked += [f"{name} {given[name]}" for name in ("depth", "mesh") if name in given]
         return hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()
 
 

@@ -96,21 +96,16 @@ def _describe(request: dict[str, Any], home: Home) -> Iterator[dict[str, Any]]:
 
 
 def _create(request: dict[str, Any], home: Home) -> Iterator[dict[str, Any]]:
+    from hgs_core.runs.given_files import GivenFiles
     from hgs_core.runs.run_config import RunConfig
     from server.captures.capture_outlines import require_bounded_tables
 
     def create() -> dict[str, Any]:
         capture = Path(request["capture"])
-        given = {name: request[name] and Path(request[name]) for name in ("masks", "depth", "mesh")}
         require_bounded_tables(capture)
         pipeline = importlib.import_module(home.pipeline)
-        config = pipeline.create_run(
-            Path(request["run"]),
-            capture,
-            RunConfig.from_json(request["config"]),
-            audio=request["audio"],
-            **given,
-        )
+        config, given = RunConfig.from_json(request["config"]), GivenFiles.from_json(request)
+        config = pipeline.create_run(Path(request["run"]), capture, config, given)
         return {"config": config.to_json()}
 
     _limit_processor(request["seconds"])

@@ -17,6 +17,7 @@ from typing import Any
 
 from hgs_core.base.atomic import write_bytes
 from hgs_core.base.errors import InputError
+from hgs_core.runs.given_files import GivenFiles
 from hgs_core.runs.run_config import RunConfig
 from hgs_core.runs.run_folder import RunFolder
 from server.captures.capture_readers import CaptureReaders, ReaderEndedError, answered
@@ -49,31 +50,16 @@ class LimitedCreation:
         self._kept: OrderedDict[str, _Kept] = OrderedDict()
         self._lock = threading.Lock()
 
-    def create_run(
-        self,
-        run: Path,
-        capture: Path,
-        config: RunConfig,
-        *,
-        masks: Path | None,
-        depth: Path | None,
-        mesh: Path | None,
-        audio: str,
-    ) -> RunConfig:
+    def create_run(self, run: Path, capture: Path, config: RunConfig, given: GivenFiles) -> RunConfig:
         """Check the capture and the config and write `run`/run.json, as the pipeline does.
 
         Raises:
             InputError: the capture or the config is unusable, or no process can read the capture.
             OSError: the disk is full.
         """
-        given = {"masks": masks, "depth": depth, "mesh": mesh}
-        asked = {
-            "capture": str(capture),
-            "config": config.to_json(),
-            "audio": audio,
-            **{name: path and str(path) for name, path in given.items()},
-        }
-        marks = [files_mark(one) for one in (capture, *given.values(), Path(audio)) if one is not None]
+        files = {"capture": str(capture), **given.to_json()}
+        asked = {**files, "config": config.to_json()}
+        marks = [files_mark(Path(one)) for one in files.values()]
         key = hashlib.sha256(json.dumps([asked, marks], sort_keys=True).encode()).hexdigest()
         with self._lock:
             kept = self._kept.get(key)

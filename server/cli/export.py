@@ -7,14 +7,12 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from hgs_core.base.errors import InputError
 from hgs_core.base.writable import require_writable_file, require_writable_folder
+from server.cli.frame_rate import frame_rate
 from server.cli.json_output import JsonOutput
 from server.cli.progress_bars import ProgressBars
 
 __all__ = ["add_parser"]
-
-_MOST_FPS = 1000
 
 
 def add_parser(commands: Any) -> None:
@@ -36,7 +34,6 @@ def add_parser(commands: Any) -> None:
     parser.add_argument(
         "--fps",
         metavar="N",
-        type=float,
         help="frames (folder) or samples (.usd) a second (default: the capture's)",
     )
     parser.add_argument("--frames", metavar="FORMAT", help="of a folder: ply (default) or sog")
@@ -54,10 +51,7 @@ def add_parser(commands: Any) -> None:
 def _run(options: argparse.Namespace) -> int:
     from hgs_core.runs.source import open_source
 
-    if options.fps is not None and not 0 < options.fps <= _MOST_FPS:
-        raise InputError(
-            "--fps", f"{options.fps:g} is no rate of frames", f"give a number above 0, at most {_MOST_FPS}"
-        )
+    rate = None if options.fps is None else float(frame_rate(options.fps))
     output = JsonOutput(options.json)
     (require_writable_file if options.to.suffix else require_writable_folder)(options.to)
     source = open_source(options.source)
@@ -67,7 +61,7 @@ def _run(options: argparse.Namespace) -> int:
             time=options.time,
             segment=options.segment,
             version=options.spz_version,
-            frame_rate=options.fps,
+            frame_rate=rate,
             frames=options.frames,
             bake=options.bake,
             progress=bars,

@@ -5,19 +5,17 @@ from __future__ import annotations
 import argparse
 import re
 from collections.abc import Callable
-from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.writable import require_writable_file, require_writable_folder
+from server.cli.frame_rate import frame_rate
 from server.cli.progress_bars import ProgressBars
 
 __all__ = ["add_parser"]
 
-_MOST_FPS = 1000
 _SIZE = re.compile(r"(\d{1,6})x(\d{1,6})")
-_RATE = re.compile(r"\d{1,6}(\.\d{1,6}|/\d{1,6})?")
 
 
 def add_parser(commands: Any) -> None:
@@ -46,7 +44,7 @@ def _run(options: argparse.Namespace) -> int:
     from hgs_core.film import FilmFormat, make_film
     from hgs_core.runs.source import encoded_scene
 
-    size, rate = _size(options.size), None if options.fps is None else _rate(options.fps)
+    size, rate = _size(options.size), None if options.fps is None else frame_rate(options.fps)
     folder = FilmFormat.of(options.out) is FilmFormat.PNG_FOLDER
     (require_writable_folder if folder else require_writable_file)(options.out)
     scene = encoded_scene(options.source)
@@ -79,13 +77,3 @@ def _size(text: str) -> tuple[int, int]:
     if found is None:
         raise InputError("--size", f"{text!r} is no size", "write width x height, e.g. 1920x1080")
     return int(found[1]), int(found[2])
-
-
-def _rate(text: str) -> Fraction:
-    try:
-        rate = Fraction(text) if _RATE.fullmatch(text) else None
-    except ZeroDivisionError:
-        rate = None
-    if rate is None or not 0 < rate <= _MOST_FPS:
-        raise InputError("--fps", f"{text!r} is no rate", f"give a number above 0, at most {_MOST_FPS}")
-    return rate.limit_denominator(1001)

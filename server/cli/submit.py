@@ -53,6 +53,7 @@ def _run(options: argparse.Namespace) -> int:
         from server.cli.submit_to_server import submit_to_server
 
         return submit_to_server(options)
+    from hgs_core.runs.given_files import GivenFiles
     from hgs_core.runs.sound import require_sound_file
     from jobs.home.home import Home
     from jobs.queue.client import JobClient
@@ -62,10 +63,7 @@ def _run(options: argparse.Namespace) -> int:
         options.capture,
         config,
         options.title,
-        options.masks,
-        require_sound_file(options.audio),
-        depth=options.depth,
-        mesh=options.mesh,
+        GivenFiles(options.masks, options.depth, options.mesh, require_sound_file(options.audio)),
         **job_options(options),
     )
     with JobClient(Home.from_environment()) as client:

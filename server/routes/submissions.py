@@ -13,6 +13,7 @@ from starlette.concurrency import run_in_threadpool
 from hgs_core.base.errors import InputError
 from hgs_core.capture.held_out import AUTO
 from hgs_core.runs.config_names import by_stage
+from hgs_core.runs.given_files import GivenFiles
 from hgs_core.runs.run_config import RunConfig
 from hgs_core.runs.sound_choice import NO_SOUND, OWN_SOUND, camera_of_sound
 from jobs.queue.client import KeyReusedError
@@ -107,7 +108,7 @@ def _asked(service: Service, submission: Submission, key: str) -> JobRequest:
             capture,
             config,
             submission.title,
-            audio=audio,
+            GivenFiles(audio=audio),
             labels=tuple(submission.labels),
             priority=submission.priority,
             time_limit=submission.time_limit,

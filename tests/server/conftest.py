@@ -103,7 +103,7 @@ class FakeJobs:
             priority=request.priority,
             time_limit=request.time_limit,
             webhook=request.webhook,
-            audio=request.audio,
+            audio=request.given.audio,
         )
         return job_id
 

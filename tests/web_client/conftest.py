@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
+import http.server
 import os
+import shutil
 import subprocess
 import sys
+import threading
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,6 +24,8 @@ from PIL import Image
 from hgs_core.codec import decode_scene, encode_scene, load_manifest
 from hgs_core.scene import DynamicSplats, HybridScene, Segment, StaticSplats
 from hgs_core.scene.camera import Camera, looking_at
+
+pytest.register_assert_rewrite("tests.web_client.asked_of_hosts")
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 MODULES = Path(__file__).resolve().parent / "modules"  # the pipelines that tests name
@@ -189,6 +196,35 @@ def site_of(page: str, folder: Path) -> Site:
     manifest = load_manifest(folder)
     address = page.partition("/view/")[0]
     return Site(address, page, decode_scene(folder), manifest.cameras, manifest.start, manifest.end, folder)
+
+
+@pytest.fixture(scope="session")
+def address(site: Site, tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """A plain web server with the package as it is built, the engines it is used with, the clouds and the examples."""
+    client = REPOSITORY / "web_client"
+    npx = shutil.which("npx")
+    if npx is None or not (client / "node_modules" / "three").is_dir():
+        pytest.skip("needs npm and web_client/node_modules")
+    folder = tmp_path_factory.mktemp("host")
+    build = [npx, "vite", "build", "-c", "vite.package.config.ts", "--outDir", str(folder / "dist")]
+    subprocess.run([*build, "--logLevel", "warn"], cwd=client, check=True, capture_output=True)
+    (folder / "node_modules").mkdir()
+    for name in ("three", "playcanvas"):
+        (folder / "node_modules" / name).symlink_to(client / "node_modules" / name)
+    scripts = [(script.name, script) for script in Path(__file__).parent.glob("*_host.js")]
+    for name, place in [("examples", client / "examples"), ("clouds", site.folder), *scripts]:
+        (folder / name).symlink_to(place)
+    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(_Files, directory=str(folder))) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        yield f"http://127.0.0.1:{server.server_port}"
+        server.shutdown()
+
+
+class _Files(http.server.SimpleHTTPRequestHandler):
+    """A handler without a log."""
+
+    def log_message(self, *_: Any) -> None:
+        pass
 
 
 @pytest.fixture(scope="session")

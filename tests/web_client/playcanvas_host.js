@@ -17,6 +17,12 @@ class PlayHost extends DrawnHost {
     this.app.setCanvasResolution(pc.RESOLUTION_FIXED, width, height);
   }
 
+  /** Give everything back. */
+  close() {
+    if (this.app.graphicsDevice) this.app.destroy();
+    this.canvas.remove();
+  }
+
   draw() {
     if (!this.app.graphicsDevice.contextLost) this.app.render();
   }

@@ -25,9 +25,7 @@ pytestmark = [pytest.mark.browser, pytest.mark.timeout(120)]
 
 FLOAT_PSNR = 80.0  # dB; what is left is float32 and the codec's identical inputs
 CANVAS_PSNR = 50.0  # dB; the canvas blends in half floats and rounds to 8 bits
-CAMERA_TIMES = [(camera, time) for camera in ("side", "above", "askew") for time in (0.0, 0.4, 1.0, 1.7)] + [
-    ("side", 2.0)
-]
+CAMERAS = ("side", "above", "askew")
 
 Reference = Callable[[str, float], npt.NDArray[np.float64]]
 
@@ -77,17 +75,15 @@ def view(browser: Browser, site: Site, camera: str, seconds: float, more: str = 
     return open_viewer(browser, exact(site, camera, seconds) + more, width=shape.width, height=shape.height)
 
 
-@pytest.mark.parametrize(("camera", "seconds"), CAMERA_TIMES)
-def test_canvas_shows_the_reference_picture(
-    browser: Browser, site: Site, reference: Reference, camera: str, seconds: float
-) -> None:
-    with view(browser, site, camera, seconds) as page:
-        floats, canvas = (psnr(take(page), reference(camera, seconds)) for take in (canvas_floats, canvas_pixels))
-        print(
-            f"Chromium {browser.version}, {camera}, {seconds} s: float picture {floats:.1f} dB, canvas {canvas:.1f} dB"
-        )
-        assert floats >= FLOAT_PSNR
-        assert canvas >= CANVAS_PSNR
+@pytest.mark.parametrize("camera", CAMERAS)
+def test_canvas_shows_the_reference_picture(browser: Browser, site: Site, reference: Reference, camera: str) -> None:
+    with view(browser, site, camera, 2.0) as page:
+        for seconds in (2.0, 0.0, 0.4, 1.0, 1.7):
+            page.evaluate("(seconds) => window.hgs.seek(seconds)", seconds)
+            floats, canvas = (psnr(take(page), reference(camera, seconds)) for take in (canvas_floats, canvas_pixels))
+            print(f"Chromium {browser.version}, {camera}, {seconds} s: floats {floats:.1f} dB, canvas {canvas:.1f} dB")
+            assert floats >= FLOAT_PSNR
+            assert canvas >= CANVAS_PSNR
 
 
 TAKE_WHILE_PLAYING = """async (after) => {
@@ -107,26 +103,29 @@ TAKE_WHILE_PLAYING = """async (after) => {
 }"""
 
 
-@pytest.mark.parametrize("camera", ["side", "above", "askew"])
-@pytest.mark.parametrize("seconds", [0.2, 0.6, 1.2, 1.6])
+@pytest.mark.parametrize("camera", CAMERAS)
 def test_what_is_drawn_while_playing_is_exactly_the_picture_of_its_time(
-    browser: Browser, site: Site, camera: str, seconds: float
+    browser: Browser, site: Site, camera: str
 ) -> None:
     """Unless the machine is so busy that an order comes late: then one of the next pictures is."""
-    psnrs = []
+
+    def taken(page: Page, seconds: float) -> tuple[float, float]:
+        """The canvas and the floats after this second, dB."""
+        told = page.evaluate(TAKE_WHILE_PLAYING, seconds)
+        truth = reference_picture(site, camera, told["pictureTime"], antialiased=False, backend="cpu")
+        canvas, floats = (
+            np.frombuffer(base64.b64decode(told[name]), kind).reshape(HEIGHT, WIDTH, 4)[..., :3]
+            for name, kind in (("canvas", np.uint8), ("floats", np.float32))
+        )
+        return psnr(canvas, truth), psnr(floats, truth)
+
     with view(browser, site, camera, 0.0) as page:
-        page.evaluate("() => window.hgs.play()")
-        for _ in range(10):
-            taken = page.evaluate(TAKE_WHILE_PLAYING, seconds)
-            truth = reference_picture(site, camera, taken["pictureTime"], antialiased=False, backend="cpu")
-            canvas, floats = (
-                np.frombuffer(base64.b64decode(taken[name]), kind).reshape(HEIGHT, WIDTH, 4)[..., :3]
-                for name, kind in (("canvas", np.uint8), ("floats", np.float32))
-            )
-            psnrs.append((psnr(canvas, truth), psnr(floats, truth)))
-            if psnrs[-1][0] >= CANVAS_PSNR and psnrs[-1][1] >= FLOAT_PSNR:
-                return
-    pytest.fail(f"canvas and floats, dB: {psnrs}")
+        for seconds in (0.2, 0.6, 1.2, 1.6):
+            page.evaluate("() => window.hgs.seek(0).then(() => window.hgs.play())")
+            psnrs: list[tuple[float, float]] = []
+            while not psnrs or psnrs[-1][0] < CANVAS_PSNR or psnrs[-1][1] < FLOAT_PSNR:
+                assert len(psnrs) < 10, f"canvas and floats, dB: {psnrs}"
+                psnrs.append(taken(page, seconds))
 
 
 @pytest.mark.parametrize("camera", ["far", "close"])

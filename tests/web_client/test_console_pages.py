@@ -398,13 +398,15 @@ def test_only_a_scene_that_lasts_wears_its_length(browser: Browser, site: Site) 
         assert "still" in still.locator(".card-figures").inner_text()
 
 
-@pytest.mark.parametrize("path", ["/nothing", "/view", "/view/no/such/page"])
-def test_an_address_without_a_page_says_so_and_leads_to_the_list(browser: Browser, site: Site, path: str) -> None:
+def test_an_address_without_a_page_says_so_and_leads_to_the_list(browser: Browser, site: Site) -> None:
     page = browser.new_page()
     try:
-        page.goto(site.address + path)
-        page.get_by_role("heading", name="There is nothing at this address").wait_for()
-        assert page.title() == "Not found · HGS"
+        for path in ("/nothing", "/view", "/view/no/such/page", "/assets/none.js"):
+            response = page.goto(site.address + path)
+            assert response is not None
+            assert response.status == 404
+            page.get_by_role("heading", name="There is nothing at this address").wait_for()
+            assert page.title() == "Not found · HGS"
         page.get_by_role("link", name="All scenes").click()
         page.get_by_role("heading", name="Clouds").wait_for()
     finally:

@@ -68,15 +68,3 @@ def test_scenes_can_be_shown_in_a_frame_and_the_list_of_jobs_cannot(browser: Bro
             page.set_content(f'<iframe src="{site.address}"></iframe>')
     finally:
         page.close()
-
-
-@pytest.mark.parametrize("path", ["/docs", "/assets/none.js", "/view/a/b"])
-def test_address_of_no_page_is_said_to_be_none(browser: Browser, site: Site, path: str) -> None:
-    page = browser.new_page()
-    try:
-        response = page.goto(site.address + path)
-        assert response is not None
-        assert response.status == 404
-        page.get_by_role("heading", name="There is nothing at this address").wait_for()
-    finally:
-        page.close()

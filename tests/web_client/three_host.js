@@ -58,6 +58,14 @@ export class Host extends DrawnHost {
     this.draw = () => this.renderer.render(this.world, this.camera);
   }
 
+  /** Give everything back. */
+  close() {
+    this.splats?.dispose();
+    this.renderer.dispose();
+    this.renderer.forceContextLoss?.();
+    this.renderer.domElement.remove();
+  }
+
   rendererOf(options) {
     return new THREE.WebGLRenderer(options);
   }
@@ -80,10 +88,7 @@ export class Host extends DrawnHost {
   /** Draw, and read the canvas: rows from the top, RGBA. */
   pixels() {
     this.draw();
-    const gl = this.renderer.getContext();
-    const data = new Uint8Array(4 * this.width * this.height);
-    gl.readPixels(0, 0, this.width, this.height, gl.RGBA, gl.UNSIGNED_BYTE, data);
-    return encode(data);
+    return this.pixelsOf(this.renderer.domElement);
   }
 
   /** Draw into a target of floats, at a corner of it, and read that: floats, or halves of several samples a pixel. */
@@ -197,4 +202,4 @@ export class Host extends DrawnHost {
   }
 }
 
-Object.assign(window, { Host, THREE, HgsScene });
+Object.assign(window, { Host, THREE });

@@ -19,12 +19,6 @@ class NodeHost extends Host {
     return this.renderer.backend.isWebGPUBackend ? "webgpu" : "plain";
   }
 
-  /** Draw, and read the canvas: rows from the top, RGBA. */
-  pixels() {
-    this.draw();
-    return this.pixelsOf(this.renderer.domElement);
-  }
-
   /** Draw into a target of half floats and read that: rows from the top. */
   async halves(samples = 0) {
     const { width, height } = this;

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from hgs_core.base.arrays import Doubles
-from hgs_core.codec.encoder.utility import LOW_PASS
+from hgs_core.scene.low_pass import LOW_PASS
 
 __all__ = ["strength_weights"]
 

@@ -9,8 +9,9 @@ import numpy as np
 from hgs_core.base.arrays import Doubles
 from hgs_core.codec.encoder.encode_settings import EncodeSettings
 from hgs_core.codec.encoder.prepare import PreparedStatics
-from hgs_core.codec.encoder.utility import LOW_PASS, grades
+from hgs_core.codec.encoder.utility import grades
 from hgs_core.codec.format.quantise import float32_below, uneased
+from hgs_core.scene.low_pass import LOW_PASS
 
 __all__ = [
     "BLUR_DEVIATION",

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from hgs_core.base.arrays import Doubles
 from hgs_core.scene.camera import Camera
+from hgs_core.scene.low_pass import LOW_PASS
 
 __all__ = ["GRADES", "SetUtility", "Utility", "estimated_utility", "grades", "pixels_per_unit"]
 
 GRADES = (-4, 3)  # smallest and largest; a grade is a factor of 2 in the width of steps
-LOW_PASS = 0.3  # pixels squared that rendering adds to a splat's variance (docs/numerics.md, "Projection")
 GUESSED_TRANSMITTANCE = 0.5  # transmittance before a splat without measurements
 
 

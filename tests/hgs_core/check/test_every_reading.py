@@ -137,12 +137,9 @@ def check(film: Filmed, case: Case, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 EVERY = [Case(signs, *rest) for signs in product((1.0, -1.0), repeat=3) for rest in product((False, True), repeat=4)]
-UNITY = Case((1.0, -1.0, 1.0), True, False, False, False)
-"""Rotations, which in a level rig hardly differ from the right ones."""
-
 FEW = [
     Case((1.0, 1.0, 1.0), True, True, False, False),  # Kinects' camera-to-world of a left-handed world
-    UNITY,
+    Case((1.0, -1.0, 1.0), True, False, False, False),  # Unity's: in a level rig some cameras fit as they are
     Case((1.0, -1.0, -1.0), False, True, True, False),
     Case((-1.0, -1.0, -1.0), True, False, False, False),  # translations of the wrong sign
     Case((1.0, 1.0, -1.0), False, False, True, True),
@@ -150,18 +147,25 @@ FEW = [
 ]
 
 
-@pytest.mark.parametrize("case", [case for case in FEW if case != UNITY], ids=str)
+@pytest.mark.parametrize("case", FEW, ids=str)
 def test_readings_of_a_walking_body_are_named_and_cured(
     walking: Filmed, case: Case, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     check(walking, case, monkeypatch)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", FEW, ids=str)
 def test_readings_of_real_cameras_far_apart_are_named_and_cured(
     basketball: Filmed, case: Case, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     check(basketball, case, monkeypatch)
+
+
+@pytest.mark.slow
+def test_every_reading_of_a_walking_body_is_named_and_cured(walking: Filmed, monkeypatch: pytest.MonkeyPatch) -> None:
+    for case in EVERY:
+        check(walking, case, monkeypatch)
 
 
 @pytest.mark.slow

@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 import torch
 
-from hgs_core.codec.encoder.utility import GUESSED_TRANSMITTANCE, LOW_PASS
+from hgs_core.codec.encoder.utility import GUESSED_TRANSMITTANCE
 from hgs_core.fit import measured_utility
 from hgs_core.fit.measured_utility import measure_utility
 from hgs_core.render.reference import rasterize_reference
 from hgs_core.render.types import View
 from hgs_core.scene import DynamicSplats, HybridScene, Segment, StaticSplats
+from hgs_core.scene.low_pass import LOW_PASS
 from tests.synthetic import ring_of_cameras, synthetic_scene, write_capture
 from tests.worker_threads import threads_of
 

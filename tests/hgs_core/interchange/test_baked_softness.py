@@ -9,10 +9,8 @@ import pytest
 import torch
 from torch.nn.functional import avg_pool2d
 
-from hgs_core.interchange import baked_softness
 from hgs_core.interchange.baked_softness import with_baked_softness
 from hgs_core.metrics.psnr import psnr
-from hgs_core.render import constants
 from hgs_core.render.rasterize import rasterize
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import HybridScene, Segment
@@ -70,7 +68,3 @@ def test_a_splat_that_no_camera_shows_stays_as_it_is(thin: HybridScene[np.ndarra
 def test_splats_trained_without_antialiasing_keep_their_opacities(thin: HybridScene[np.ndarray]) -> None:
     plain = dataclasses.replace(thin, antialiased=False)
     np.testing.assert_array_equal(with_baked_softness(plain, RIG).static.opacity_logits, plain.static.opacity_logits)
-
-
-def test_its_constants_are_the_renderer_s() -> None:
-    assert (baked_softness.LOW_PASS, baked_softness.FADED) == (constants.LOW_PASS, constants.COMPENSATION_MIN)

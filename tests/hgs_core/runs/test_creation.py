@@ -10,6 +10,7 @@ from PIL import Image
 from hgs_core.base.errors import InputError
 from hgs_core.capture.held_out import AUTO
 from hgs_core.runs.creation import create_run
+from hgs_core.runs.given_files import GivenFiles
 from hgs_core.runs.run_config import RunConfig
 from hgs_core.runs.run_folder import RunFolder
 from tests.synthetic import write_capture
@@ -70,7 +71,7 @@ def test_the_sound_of_a_camera_that_has_none_is_refused_before_anything_is_writt
     write_capture(tmp_path / "capture", frames=2)
     for audio, words in (("camera:9", "no such camera"), ("camera:0", "has no video with sound")):
         with pytest.raises(InputError, match=words):
-            create_run(tmp_path / "run", tmp_path / "capture", CONFIG, audio=audio)
+            create_run(tmp_path / "run", tmp_path / "capture", CONFIG, GivenFiles(audio=audio))
     assert not (tmp_path / "run").exists()
 
 
@@ -85,7 +86,7 @@ def test_a_run_keeps_its_masks_and_its_resolution(
     monkeypatch.chdir(tmp_path)
     config = CONFIG.changed({"capture.downscale": 2})
     for _ in range(2):  # the second time the run is resumed
-        create_run(Path("run"), Path("capture"), config, masks=Path("masks"))
+        create_run(Path("run"), Path("capture"), config, GivenFiles(Path("masks")))
     assert "the masks of 0 are given" in caplog.text
     monkeypatch.chdir("/")
     capture = RunFolder(tmp_path / "run").read_spec().open_capture()

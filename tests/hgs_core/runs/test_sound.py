@@ -11,6 +11,7 @@ import pytest
 from hgs_core.base.errors import InputError
 from hgs_core.codec import encode_scene, load_manifest
 from hgs_core.codec.format.scene_folder import checked_chunks, read_audio
+from hgs_core.runs.given_files import GivenFiles
 from hgs_core.runs.run_config import RunConfig
 from hgs_core.runs.run_folder import RunFolder, RunSpec
 from hgs_core.runs.sound import replace_sound, require_sound_file, require_sounding_video, scene_sound
@@ -54,7 +55,7 @@ def capture_of(*found: tuple[Path, float]) -> Any:
 
 
 def spec_with(audio: str) -> RunSpec:
-    return RunSpec(Path("capture"), "", RunConfig(), audio=audio)
+    return RunSpec(Path("capture"), "", RunConfig(), GivenFiles(audio=audio))
 
 
 def test_the_first_camera_with_sound_is_heard_on_the_captures_clock(videos: Path, run: RunFolder) -> None:

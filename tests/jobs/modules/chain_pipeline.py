@@ -16,6 +16,7 @@ from scene_folder import write_scene
 
 from hgs_core.base.atomic import write_bytes
 from hgs_core.base.progress import Progress, ProgressCallback, StageStopped
+from hgs_core.runs.given_files import GivenFiles
 from hgs_core.runs.run_config import RunConfig
 from tests.chunks import static_chunk
 
@@ -31,7 +32,7 @@ def chain(iterations: int) -> bytes:
     return static_chunk(state)
 
 
-def create_run(run: Path, capture: Path, config: RunConfig, *, audio: str = "auto", **given: Path | None) -> RunConfig:
+def create_run(run: Path, capture: Path, config: RunConfig, given: GivenFiles) -> RunConfig:
     settings = {"capture": str(capture), "iterations": config.train.iterations}
     write_bytes(run / "run.json", json.dumps(settings).encode())
     return config

@@ -26,6 +26,7 @@ from scene_folder import write_scene
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback, StageStopped
+from hgs_core.runs.given_files import GivenFiles
 from hgs_core.runs.run_config import RunConfig
 from tests.chunks import static_chunk
 
@@ -33,7 +34,7 @@ CHECKPOINT_EVERY = 5
 SECONDS_PER_ITERATION = 0.02
 
 
-def create_run(run: Path, capture: Path, config: RunConfig, *, audio: str = "auto", **given: Path | None) -> RunConfig:
+def create_run(run: Path, capture: Path, config: RunConfig, given: GivenFiles | None = None) -> RunConfig:
     if not (capture / "behaviour").is_file():
         raise InputError(capture, "has no file `behaviour`")
     run.mkdir(parents=True)

@@ -17,12 +17,13 @@ from types import ModuleType
 
 from hgs_core.base.atomic import write_bytes
 from hgs_core.base.progress import Progress, ProgressCallback
+from hgs_core.runs.given_files import GivenFiles
 from hgs_core.runs.run_config import RunConfig
 from tests.chunks import dynamic_chunk, static_chunk
 from tests.growing import growing_manifest
 
 
-def create_run(run: Path, capture: Path, config: RunConfig, *, audio: str = "auto", **given: Path | None) -> RunConfig:
+def create_run(run: Path, capture: Path, config: RunConfig, given: GivenFiles) -> RunConfig:
     run.mkdir(parents=True)
     numbers = {name: float((capture / name).read_text()) for name in ("segments", "pace")}
     write_bytes(run / "run.json", json.dumps(numbers | {"iterations": config.train.iterations}).encode())

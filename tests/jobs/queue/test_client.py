@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 from hgs_core.base.errors import InputError
+from hgs_core.runs.given_files import GivenFiles
 from hgs_core.runs.run_config import RunConfig
 from hgs_core.runs.run_folder import RunFolder
 from jobs.artifacts.artifact_store import open_store
@@ -147,7 +148,9 @@ def ask(tmp_path: Path, **fields: Any) -> JobRequest:
 
 
 def test_what_is_asked_for_beside_the_config_is_kept(client: JobClient, tmp_path: Path) -> None:
-    job = client.get(client.submit(ask(tmp_path, labels=("night",), priority=7, time_limit=60.0, audio="none")))
+    job = client.get(
+        client.submit(ask(tmp_path, labels=("night",), priority=7, time_limit=60.0, given=GivenFiles(audio="none")))
+    )
     assert job is not None
     assert (job.labels, job.priority, job.time_limit, job.audio) == (("night",), 7, 60.0, "none")
 

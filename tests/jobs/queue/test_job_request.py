@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from hgs_core.base.errors import InputError
+from hgs_core.runs.given_files import GivenFiles
 from hgs_core.runs.run_config import RunConfig
 from jobs.queue.job_request import JobRequest
 
@@ -19,10 +20,10 @@ from jobs.queue.job_request import JobRequest
         ({"title": "\ud800"}, "title"),
         ({"title": "two\nlines"}, "title"),
         ({"title": "\x1b[2J"}, "title"),
-        ({"masks": Path("a\udc80")}, "masks"),
+        ({"given": GivenFiles(masks=Path("a\udc80"))}, "masks"),
         ({"capture": Path("a\udc80")}, "capture"),
         ({"capture": Path("a" * 5000)}, "capture"),
-        ({"audio": "a\0b"}, "audio"),
+        ({"given": GivenFiles(audio="a\0b")}, "audio"),
         ({"labels": ("two words",)}, "labels"),
         ({"priority": 101}, "priority"),
         ({"priority": -101}, "priority"),
@@ -48,10 +49,10 @@ def test_the_digest_is_of_all_that_is_asked_for(tmp_path: Path) -> None:
         {"labels": ("a",)},
         {"priority": 1},
         {"time_limit": 5.0},
-        {"masks": tmp_path},
-        {"depth": tmp_path},
-        {"mesh": tmp_path},
-        {"audio": "none"},
+        {"given": GivenFiles(masks=tmp_path)},
+        {"given": GivenFiles(depth=tmp_path)},
+        {"given": GivenFiles(mesh=tmp_path)},
+        {"given": GivenFiles(audio="none")},
         {"config": RunConfig().changed({"train.iterations": 7})},
         {"capture": tmp_path / "b"},
     ]

@@ -46,16 +46,13 @@ def test_a_run_is_begun_as_the_pipeline_does(home: Home, tmp_path: Path) -> None
         "run": str(run),
         "capture": str(tmp_path / "capture"),
         "config": config.to_json(),
-        "masks": None,
-        "depth": None,
-        "mesh": None,
         "audio": "none",
         "seconds": 60,
     }
     (answer,) = CaptureReaders(home).read("create", request, 600)
     spec = RunFolder(run).read_spec()
     assert RunConfig.from_json(answer["found"]["config"]) == spec.config == config
-    assert (spec.capture, spec.audio, spec.prepared) == (tmp_path / "capture", "none", True)
+    assert (spec.capture, spec.given.audio, spec.prepared) == (tmp_path / "capture", "none", True)
 
 
 def test_captures_are_described_one_by_one_whatever_is_wrong_with_some(home: Home, tmp_path: Path) -> None:
@@ -83,7 +80,7 @@ def test_a_link_out_of_the_folders_is_refused_as_the_server_does(home: Home, tmp
 
 
 HUNGRY = """
-def create_run(run, capture, config, *, audio, **given):
+def create_run(run, capture, config, given):
     (capture / "transforms.json").read_bytes()
     {harm}
 """
@@ -99,9 +96,6 @@ def create_with(home: Home, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, har
         "run": str(tmp_path / "run"),
         "capture": str(tmp_path / "capture"),
         "config": RunConfig().to_json(),
-        "masks": None,
-        "depth": None,
-        "mesh": None,
         "audio": "none",
         "seconds": seconds,
     }

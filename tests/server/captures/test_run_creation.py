@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from hgs_core.base.errors import InputError
+from hgs_core.runs.given_files import GivenFiles
 from hgs_core.runs.run_config import RunConfig
 from jobs.home.home import Home
 from server.captures import run_creation as module
@@ -29,7 +30,7 @@ elif how == "full":
     print(json.dumps({{"errno": 28, "error": "no space"}}))
 else:
     run.mkdir(parents=True)
-    (run / "run.json").write_text(asked["audio"])
+    (run / "run.json").write_text(asked.get("audio", "auto"))
     if how == "more":
         (run / "points.npz").touch()
     print(json.dumps({{"found": {{"config": asked["config"] | {{"seed": 5}}}}}}))
@@ -51,9 +52,7 @@ def create(creation: LimitedCreation, tmp_path: Path) -> Callable[..., RunConfig
         file = tmp_path / "capture" / "how"
         if not file.exists() or file.read_text() != how:
             file.write_text(how)
-        return creation.create_run(
-            tmp_path / run, tmp_path / "capture", RunConfig(), masks=None, depth=None, mesh=None, audio=audio
-        )
+        return creation.create_run(tmp_path / run, tmp_path / "capture", RunConfig(), GivenFiles(audio=audio))
 
     return begin
 

@@ -34,7 +34,7 @@ def test_a_submitted_run_keeps_its_masks(
         Image.fromarray(np.full((48, 64), 255, np.uint8)).save(folder / f"{frame:04d}.png")
     assert main(["submit", str(n3dv), "--masks", str(folder.parent)]) == 0
     job_id = capsys.readouterr().out.strip()
-    assert RunFolder(home / "runs" / job_id).read_spec().masks == folder.parent.resolve()
+    assert RunFolder(home / "runs" / job_id).read_spec().given.masks == folder.parent.resolve()
 
 
 def test_a_submitted_run_keeps_its_depth_and_mesh(
@@ -60,7 +60,7 @@ def test_a_submitted_run_keeps_its_sound(
     monkeypatch.chdir(tmp_path)
     assert main(["submit", str(n3dv), "--audio", "recorder.mkv"]) == 0
     job_id = capsys.readouterr().out.strip()
-    assert RunFolder(home / "runs" / job_id).read_spec().audio == str((tmp_path / "recorder.mkv").resolve())
+    assert RunFolder(home / "runs" / job_id).read_spec().given.audio == str((tmp_path / "recorder.mkv").resolve())
     assert main(["submit", str(n3dv), "--audio", "camera:cam00"]) == 2
     assert "its camera has no video with sound" in capsys.readouterr().err
 

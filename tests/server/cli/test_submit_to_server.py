@@ -124,7 +124,7 @@ def test_cut_lines_and_a_killed_server_cost_nothing(n3dv: Path, home: Path, tmp_
             again = submit(n3dv, url, "--trust-poses", "--audio", "none")
             output, errors = again.communicate(timeout=240)
             assert again.returncode == 0, errors
-            assert RunFolder(home / "runs" / output.strip()).read_spec().audio == "none"
+            assert RunFolder(home / "runs" / output.strip()).read_spec().given.audio == "none"
             assert len(uploads(url)) == 1  # files on the server are not sent again
 
 

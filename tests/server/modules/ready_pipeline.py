@@ -8,10 +8,11 @@ from pathlib import Path
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback
+from hgs_core.runs.given_files import GivenFiles
 from hgs_core.runs.run_config import RunConfig
 
 
-def create_run(run: Path, capture: Path, config: RunConfig, *, audio: str = "auto", **given: Path | None) -> RunConfig:
+def create_run(run: Path, capture: Path, config: RunConfig, given: GivenFiles) -> RunConfig:
     if not (capture / "scene").is_dir():
         raise InputError(capture, "has no scene")
     run.mkdir(parents=True)

@@ -107,7 +107,7 @@ def test_the_sound_of_a_job_is_a_choice_or_a_file_that_the_server_may_read(serve
         server.request("POST", "/v1/jobs", json={"capture": "studio", "audio": audio}).json()["audio"]
         for audio in ("auto", "none", "camera:cam01", "recorder.wav", str(file))
     ]
-    asked = [request.audio for request in server.jobs.requests]
+    asked = [request.given.audio for request in server.jobs.requests]
     assert told == asked == ["auto", "none", "camera:cam01", str(file), str(file)]
     response = server.request("POST", "/v1/jobs", json={"capture": "studio", "audio": "/etc/hostname"})
     assert assert_problem(response, 403, "capture-outside", "HGS_CAPTURES")["field"] == "audio"

@@ -19,12 +19,13 @@ from hgs_core.base.atomic import write_bytes
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback
 from hgs_core.capture.held_out import AUTO
+from hgs_core.runs.given_files import GivenFiles
 from hgs_core.runs.run_config import RunConfig
 
 TOTAL = 400
 
 
-def create_run(run: Path, capture: Path, config: RunConfig, *, audio: str = "auto", **given: Path | None) -> RunConfig:
+def create_run(run: Path, capture: Path, config: RunConfig, given: GivenFiles) -> RunConfig:
     cameras = len(json.loads((capture / "transforms.json").read_text())["frames"])
     if config.capture.hold_out == AUTO:
         config = config.changed({"capture.hold_out": ()})
