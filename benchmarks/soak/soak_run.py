@@ -32,7 +32,7 @@ __all__ = ["soak"]
 
 JOB_CLIENTS = 3
 VIEWERS = 2
-SETTLE = 180.0  # seconds for the last jobs to end
+SETTLE = 180.0  # seconds without progress after which the last jobs are stuck
 
 
 def soak(folder: Path, seed: int, minutes: float, extras: Extras, say: Callable[[str], None] = print) -> SoakResult:

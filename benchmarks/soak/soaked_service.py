@@ -168,8 +168,8 @@ class SoakedService:
                     (folder / "hgs_core" / "native" / library.name).symlink_to(library)
         return folder
 
-    def until_ready(self, seconds: float = 90.0) -> None:
-        """Wait until the API answers.
+    def until_ready(self, seconds: float = 1800.0) -> None:
+        """Wait until the API answers; on a busy machine that takes minutes, and only a hang may fail.
 
         Raises:
             TimeoutError: it does not.
