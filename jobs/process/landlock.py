@@ -20,9 +20,9 @@ _CREATE_RULESET, _ADD_RULE, _RESTRICT_SELF = 444, 445, 446  # system calls, equa
 _ASK_VERSION = 1
 _PATH_BENEATH = 1
 _SET_NO_NEW_PRIVS = 38  # prctl(2)
-_TCP = 3  # to bind, and to connect
+_BIND_AND_CONNECT = 3
 _TCP_SINCE = 4  # version
-_OUTSIDE = 3  # abstract Unix sockets and signals of processes outside
+_SOCKETS_AND_SIGNALS = 3  # abstract Unix sockets and signals beyond the sandbox
 _OUTSIDE_SINCE = 6  # version
 
 
@@ -96,8 +96,8 @@ def _known(version: int) -> Right:
 
 
 def _ruleset(version: int) -> bytes:
-    """Return struct landlock_ruleset_attr; an older kernel takes what it does not know if it is 0."""
-    tcp, outside = _TCP * (version >= _TCP_SINCE), _OUTSIDE * (version >= _OUTSIDE_SINCE)
+    """Return the kernel's struct landlock_ruleset_attr; an older kernel accepts zeros in fields of later versions."""
+    tcp, outside = _BIND_AND_CONNECT * (version >= _TCP_SINCE), _SOCKETS_AND_SIGNALS * (version >= _OUTSIDE_SINCE)
     return struct.pack("=QQQ", _known(version), tcp, outside)
 
 

@@ -13,11 +13,12 @@ from jobs.process.landlock import Right, landlock_version, restrict_files
 __all__ = ["enter_sandbox", "missing_from_sandbox", "with_links"]
 
 _PACKAGES = ("hgs_core", "jobs", "server")
+# Of /proc no other process: where this one is root, their environments could be read.
 _SYSTEM = (
     *("/usr", "/lib", "/lib32", "/lib64", "/bin", "/sbin", "/nix/store", "/sys", "/dev/urandom", "/dev/random"),
     *("/etc/ld.so.cache", "/etc/localtime", "/etc/nsswitch.conf", "/etc/passwd", "/etc/group"),
     *("/proc/self", "/proc/sys", "/proc/cpuinfo", "/proc/filesystems", "/proc/meminfo", "/proc/stat", "/proc/vmstat"),
-)  # of /proc no other process: root may read their environments
+)
 _DEVICES = ("/dev/null", "/dev/zero", "/dev/full")
 _MOST_ENTRIES = 500_000  # files and folders of one capture
 _DEEPEST = 6  # levels below a capture
@@ -57,7 +58,7 @@ def with_links(capture: Path) -> Iterator[Path]:
 
 
 def missing_from_sandbox() -> str:
-    """Return in one line what this kernel does not refuse to the processes that open captures; "" if all is refused."""
+    """Return in one line this kernel's gaps in the sandbox of processes that open captures; "" if there are none."""
     version = landlock_version()
     if version >= _WHOLE:
         return ""

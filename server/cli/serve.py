@@ -169,8 +169,10 @@ def _run(options: argparse.Namespace) -> int:
         store = open_store(home)
         with ProgressBars() as bars:
             scenes = [publish_run(store, run, progress=bars) for run in options.run_folders]
-        for said in filter(None, (line, missing_from_sandbox())):
-            print(said, file=sys.stderr)
+        if line:
+            print(line, file=sys.stderr)
+        if lacking := missing_from_sandbox():
+            print(f"hgs: {lacking}", file=sys.stderr)
         captures = CaptureFolders.configured(home.folder, options.captures)
         app = create_app(
             home,
