@@ -59,9 +59,9 @@ def landlock_version() -> int:
     """Return the kernel's version of Landlock; 0 where it has none, or has it switched off."""
     if sys.platform != "linux":
         return 0
-    return max(
-        0, _libc().syscall(ctypes.c_long(_CREATE_RULESET), None, ctypes.c_size_t(0), ctypes.c_uint(_ASK_VERSION))
-    )
+    ask, nothing = ctypes.c_long(_CREATE_RULESET), ctypes.c_size_t(0)
+    version: int = _libc().syscall(ask, None, nothing, ctypes.c_uint(_ASK_VERSION))
+    return max(0, version)
 
 
 def restrict_files(rights: Mapping[Path, Right]) -> None:
