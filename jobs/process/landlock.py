@@ -18,6 +18,7 @@ __all__ = ["Right", "landlock_version", "restrict_files"]
 
 _CREATE_RULESET, _ADD_RULE, _RESTRICT_SELF = 444, 445, 446  # system calls, equal on all of Python's architectures
 _ASK_VERSION = 1
+_TASKS = Path("/proc/self/task")  # the threads of this process
 _PATH_BENEATH = 1
 _SET_NO_NEW_PRIVS = 38  # prctl(2)
 _BIND_AND_CONNECT = 3
@@ -78,7 +79,7 @@ def restrict_files(rights: Mapping[Path, Right]) -> None:
     version = landlock_version()
     if version == 0:
         return
-    if len(os.listdir("/proc/self/task")) > 1:  # noqa: PTH208 - names alone
+    if _TASKS.is_dir() and len(list(_TASKS.iterdir())) > 1:
         raise RuntimeError("only a process of one thread can be restricted")
     known = _known(version)
     attributes = _ruleset(version)
