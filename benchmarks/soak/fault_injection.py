@@ -53,6 +53,8 @@ class FaultInjection:
             process.signal(signal.SIGCONT)
 
     def _meet(self, fault: PlannedFault, over: threading.Event) -> None:
+        if self._service.overdue:  # faults of links and database would keep it from ever starting
+            return
         began = self._history.now
         act = self._acts()[fault.kind]
         if victim := act(fault, over):

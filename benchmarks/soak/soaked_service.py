@@ -30,6 +30,7 @@ __all__ = ["Extras", "SoakedService"]
 REPOSITORY = Path(__file__).resolve().parent.parent.parent
 WORKERS = 2
 PATIENCE = 20.0  # seconds for an answer
+STARTING = 30.0  # seconds in which an API starts where the machine is not busy
 DISK = 768  # MiB; a training leaves 256 free
 
 
@@ -191,6 +192,12 @@ class SoakedService:
             return True
         sample = sample_of(process.pid, 0.0)
         return sample is not None and sample.connections > 0
+
+    @property
+    def overdue(self) -> bool:
+        """Whether the API has long been starting, as on a busy machine."""
+        api = self.processes["api"]
+        return time.monotonic() - api.began > STARTING and not self.at_work(api)
 
     def _answers(self, path: str) -> bool:
         try:
