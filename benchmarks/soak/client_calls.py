@@ -42,6 +42,7 @@ class Board:
         self.captures: list[str] = []
         self.scenes: list[str] = []
         self.keys: dict[str, str] = {}  # texts by name, revoked ones too
+        self.submitted = threading.Event()  # the first job is acknowledged
         self.stop = threading.Event()
 
 

@@ -53,6 +53,8 @@ class FaultInjection:
             process.signal(signal.SIGCONT)
 
     def _meet(self, fault: PlannedFault, over: threading.Event) -> None:
+        if self._service.overdue:  # faults of links and database would keep it from ever starting
+            return
         began = self._history.now
         act = self._acts()[fault.kind]
         if victim := act(fault, over):
@@ -67,11 +69,11 @@ class FaultInjection:
         store, database, clients = service.store_door, service.database_door, service.client_door
         return {
             Fault.KILL_STAGE: lambda fault, over: self._kill_stage(fault),
-            Fault.KILL_WORKER: lambda fault, over: _signal(self._worker(fault), kill),
-            Fault.KILL_API: lambda fault, over: _signal(processes["api"], kill),
-            Fault.KILL_COLLECTOR: lambda fault, over: _signal(processes["collector"], kill),
-            Fault.STOP_WORKER: lambda fault, over: _signal(self._worker(fault), term),
-            Fault.STOP_API: lambda fault, over: _signal(processes["api"], term),
+            Fault.KILL_WORKER: lambda fault, over: self._end(self._worker(fault), kill),
+            Fault.KILL_API: lambda fault, over: self._end(processes["api"], kill),
+            Fault.KILL_COLLECTOR: lambda fault, over: self._end(processes["collector"], kill),
+            Fault.STOP_WORKER: lambda fault, over: self._end(self._worker(fault), term),
+            Fault.STOP_API: lambda fault, over: self._end(processes["api"], term),
             Fault.PAUSE_WORKER: self._pause_worker,
             Fault.RESTART_DATABASE: self._restart_database,
             Fault.DROP_DATABASE: lambda fault, over: _done(database.drop, "all"),
@@ -88,6 +90,13 @@ class FaultInjection:
     def _worker(self, fault: PlannedFault) -> SupervisedProcess:
         workers = self._service.workers
         return workers[int(fault.choice * len(workers))]
+
+    def _end(self, process: SupervisedProcess, number: signal.Signals) -> str:
+        """End a process, unless it has not begun its work: on a busy machine none would ever begin."""
+        if not self._service.at_work(process):
+            return ""
+        process.signal(number)
+        return process.role
 
     def _kill_stage(self, fault: PlannedFault) -> str:
         stages = stage_processes(self._service.home.runs)
@@ -142,11 +151,6 @@ class FaultInjection:
         over.wait(fault.seconds)
         self._service.clocks[role].step_to(0.0)
         return f"{role} {offset:+g} s"
-
-
-def _signal(process: SupervisedProcess, number: signal.Signals) -> str:
-    process.signal(number)
-    return process.role
 
 
 def _done(act: Callable[[], object], victim: str) -> str:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from benchmarks.soak.client_calls import ClientCalls
+from benchmarks.soak.client_calls import Answer, ClientCalls
 from benchmarks.soak.supervised import stage_processes
 from jobs.artifacts.artifact_store import open_store
 from jobs.artifacts.store_check import check_store
@@ -17,7 +17,9 @@ from jobs.home.home import Home
 
 __all__ = ["FinalJob", "FinalScene", "FinalState", "settled", "state_of"]
 
-LEAVING = 20.0  # seconds for the last stages to end
+LEAVING = 180.0  # seconds for the last stages to end
+PATIENCE = 600.0  # seconds for an answer that is none of a fault
+LONGEST = 10  # times the wait without progress
 
 
 @dataclass(frozen=True)
@@ -52,14 +54,22 @@ class FinalState:
 
 
 def settled(calls: ClientCalls, seconds: float) -> float:
-    """Wait until no job is unfinished, for so long at most; return the seconds that it took."""
-    began = time.monotonic()
-    while (passed := time.monotonic() - began) < seconds:
+    """Wait until no job is unfinished, as long as some job goes on within so many seconds; return the seconds it took.
+
+    A busy machine makes jobs slow, and not stuck.
+    """
+    began = went_on = time.monotonic()
+    before: list[tuple[Any, ...]] = []
+    while (now := time.monotonic()) - went_on < seconds and now - began < LONGEST * seconds:
         answer = calls.ask("GET", "/v1/jobs?limit=1000")
-        if answer.ok and all(job["state"] in ("succeeded", "failed", "cancelled") for job in answer.body["jobs"]):
-            return passed
+        if answer.ok:
+            places = [(job["id"], job["state"], job["progress"]) for job in answer.body["jobs"]]
+            if all(job["state"] in ("succeeded", "failed", "cancelled") for job in answer.body["jobs"]):
+                break
+            if places != before:
+                before, went_on = places, now
         time.sleep(1.0)
-    return passed
+    return time.monotonic() - began
 
 
 def state_of(home: Home, calls: ClientCalls, captures: Sequence[str]) -> FinalState:
@@ -83,17 +93,25 @@ def state_of(home: Home, calls: ClientCalls, captures: Sequence[str]) -> FinalSt
         damaged = [fault.chunk for fault in found.faults if scene["id"] in fault.scenes and fault.problem != "missing"]
         digest = hashlib.sha256(store.manifest(scene["id"]) or b"").hexdigest()
         scenes[scene["id"]] = FinalScene(scene["title"], digest, missing, damaged)
-    keys = {name: calls.ask("GET", "/v1/scenes", key=text).status for name, text in calls.board.keys.items()}
+    keys = {name: _answered(calls, "/v1/scenes", text).status for name, text in calls.board.keys.items()}
     stages = list(stage_processes(home.runs).values())
     return FinalState(jobs, scenes, {folder: _digests(Path(folder)) for folder in captures}, keys, stages)
 
 
 def _listed(calls: ClientCalls, name: str, query: str = "") -> list[dict[str, Any]]:
-    answer = calls.ask("GET", f"/v1/{name}{query}")
+    answer = _answered(calls, f"/v1/{name}{query}")
     if not answer.ok:
         raise ConnectionError(f"the list of {name} was answered with {answer.status}")
     found: list[dict[str, Any]] = answer.body[name]
     return found
+
+
+def _answered(calls: ClientCalls, path: str, key: str = "") -> Answer:
+    """Ask a healed service until it answers: a busy machine may make it late."""
+    until = time.monotonic() + PATIENCE
+    while (answer := calls.ask("GET", path, key=key)).status in (0, 503) and time.monotonic() < until:
+        time.sleep(1.0)
+    return answer
 
 
 def _digests(folder: Path) -> dict[str, str]:

@@ -14,6 +14,7 @@ from hgs_core.base.own_modules import module_command
 __all__ = ["JobActions", "job_client"]
 
 LOOK = 0.5  # seconds between two looks at a job
+PATIENCE = 600.0  # seconds for a command
 CONFIG = {
     "points": {"static": 150, "dynamic": 40},
     "train": {"checkpoint_every": 10},
@@ -39,6 +40,7 @@ class JobActions:
         while not calls.over:
             event = calls.note(Act.SUBMIT, key, lambda: self._submitted(key, body), _id)
             if event.acknowledged:
+                calls.board.submitted.set()
                 if calls.dice.random() < 0.3:  # a client may not have received the answer
                     calls.note(Act.SUBMIT, key, lambda: self._submitted(key, body), _id)
                 return str(event.answer["id"])
@@ -85,7 +87,10 @@ class JobActions:
 
         def published() -> Answer:
             command = module_command("server.cli", "publish", str(run), "--id", scene)
-            done = subprocess.run(command, check=False, capture_output=True, timeout=120)
+            try:
+                done = subprocess.run(command, check=False, capture_output=True, timeout=PATIENCE)
+            except subprocess.TimeoutExpired:
+                return Answer(0)
             return Answer(200 if done.returncode == 0 else 0)
 
         self.calls.note(Act.PUBLISH, scene, published)

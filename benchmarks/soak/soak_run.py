@@ -32,7 +32,8 @@ __all__ = ["soak"]
 
 JOB_CLIENTS = 3
 VIEWERS = 2
-SETTLE = 180.0  # seconds for the last jobs to end
+FIRST_JOB = 1800.0  # seconds that the first job may be late on a busy machine
+SETTLE = 180.0  # seconds without progress after which the last jobs are stuck
 
 
 def soak(folder: Path, seed: int, minutes: float, extras: Extras, say: Callable[[str], None] = print) -> SoakResult:
@@ -99,6 +100,8 @@ def _suffer(service: SoakedService, board: Board, seed: int, seconds: float) -> 
                 client.add_done_callback(lambda _: board.stop.set())
             injection.run(plan_faults(seed, seconds), board.stop)
             board.stop.wait(max(0.0, seconds - board.history.now))
+            while not board.submitted.wait(1.0) and not board.stop.is_set() and board.history.now < seconds + FIRST_JOB:
+                pass
         finally:
             board.stop.set()
             injection.heal()

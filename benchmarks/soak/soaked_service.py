@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import contextlib
 import dataclasses
+import http.client
 import os
 import subprocess
 import sys
@@ -15,6 +15,7 @@ from types import TracebackType
 from typing import Self
 
 from benchmarks.soak.planted_bugs import PLANTED, Bug
+from benchmarks.soak.process_curves import sample_of
 from benchmarks.soak.stepped_clock import SteppedClock, build_clock
 from benchmarks.soak.supervised import SupervisedProcess
 from hgs_core.base.own_modules import module_command
@@ -28,6 +29,8 @@ __all__ = ["Extras", "SoakedService"]
 
 REPOSITORY = Path(__file__).resolve().parent.parent.parent
 WORKERS = 2
+PATIENCE = 20.0  # seconds for an answer
+STARTING = 30.0  # seconds in which an API starts where the machine is not busy
 DISK = 768  # MiB; a training leaves 256 free
 
 
@@ -168,15 +171,37 @@ class SoakedService:
                     (folder / "hgs_core" / "native" / library.name).symlink_to(library)
         return folder
 
-    def until_ready(self, seconds: float = 90.0) -> None:
-        """Wait until the API answers.
+    def until_ready(self, seconds: float = 1800.0) -> None:
+        """Wait until the API answers; on a busy machine that takes minutes, and only a hang may fail.
 
         Raises:
             TimeoutError: it does not.
         """
         deadline = time.monotonic() + seconds
         while time.monotonic() < deadline:
-            with contextlib.suppress(OSError), urllib.request.urlopen(f"http://127.0.0.1:{self._port}/readyz"):
+            if self._answers("readyz"):
                 return
             time.sleep(0.2)
         raise TimeoutError(f"the API does not answer; see {self.folder}/api.log")
+
+    def at_work(self, process: SupervisedProcess) -> bool:
+        """Whether a process has started: the API answers, a worker has a connection; of others nobody waits for it."""
+        if process.role == "api":
+            return self._answers("v1/health")
+        if process not in self.workers:
+            return True
+        sample = sample_of(process.pid, 0.0)
+        return sample is not None and sample.connections > 0
+
+    @property
+    def overdue(self) -> bool:
+        """Whether the API has long been starting, as on a busy machine."""
+        api = self.processes["api"]
+        return time.monotonic() - api.began > STARTING and not self.at_work(api)
+
+    def _answers(self, path: str) -> bool:
+        try:
+            with urllib.request.urlopen(f"http://127.0.0.1:{self._port}/{path}", timeout=PATIENCE):
+                return True
+        except (OSError, http.client.HTTPException):
+            return False

@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import threading
+import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -21,6 +22,7 @@ class SupervisedProcess:
         """Start it."""
         self.role = role
         self.starts = 0
+        self.began = 0.0  # seconds of the monotonic clock, of the present process
         self._command, self._environment, self._log = command, environment, log
         self._over = threading.Event()
         self._process = self._start()
@@ -46,6 +48,7 @@ class SupervisedProcess:
 
     def _start(self) -> subprocess.Popen[bytes]:
         self.starts += 1
+        self.began = time.monotonic()
         with self._log.open("ab") as log:
             return subprocess.Popen(
                 self._command, env=self._environment, stdin=subprocess.DEVNULL, stdout=log, stderr=log

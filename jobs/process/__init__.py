@@ -1,3 +1,3 @@
-"""Child processes of a worker: limits, environment, outcome, silence."""
+"""Child processes of a worker: limits, sandbox, environment, outcome, silence."""
 
 __all__: list[str] = []

@@ -1,14 +1,19 @@
-"""A command under the limits of a stage: `python -m jobs.process.limited STAGE PROGRAM ARGUMENT...`."""
+"""A command in the sandbox and under the limits of a stage.
+
+`python -m jobs.process.limited STAGE CAPTURE PROGRAM ARGUMENT...`: it may read CAPTURE and write nothing.
+"""
 
 from __future__ import annotations
 
 import os
 import sys
+from pathlib import Path
 
 from jobs.home.home import Home
 from jobs.process.file_limits import limit_files
 from jobs.process.memory_limit import limit_memory
 from jobs.process.process_tree import keep_orphans
+from jobs.process.sandbox import enter_sandbox, with_links
 
 __all__ = ["limit_stage"]
 
@@ -26,4 +31,5 @@ def limit_stage(home: Home, stage: str) -> None:
 
 if __name__ == "__main__":
     limit_stage(Home.from_environment(), sys.argv[1])
-    os.execv(sys.argv[2], sys.argv[2:])
+    enter_sandbox(with_links(Path(sys.argv[2])))
+    os.execv(sys.argv[3], sys.argv[3:])

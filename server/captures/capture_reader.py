@@ -1,6 +1,6 @@
 """Reader process for untrusted captures: `python -P -m server.captures.capture_reader OPERATION NOTE`.
 
-It has the limits of a stage and narrower ones, so a hostile file can only crash or fill this process.
+It has the limits of a stage and narrower ones, and a sandbox, so a hostile file can only crash or fill this process.
 It communicates with the server as follows:
 
 - stdin: one line of JSON, the request; when it closes, the server is gone and the process exits at once;
@@ -18,7 +18,6 @@ import importlib
 import json
 import logging
 import os
-import queue
 import resource
 import sys
 import traceback
@@ -28,10 +27,12 @@ from pathlib import Path
 from typing import IO, Any, NoReturn
 
 from hgs_core.base.errors import InputError
+from hgs_core.runs.given_files import GivenFiles
 from jobs.home.home import Home
 from jobs.process.limited import limit_stage
 from jobs.process.memory_limit import out_of_memory
 from jobs.process.parent_process import when_parent_is_gone
+from jobs.process.sandbox import enter_sandbox, with_links
 from server.captures.capture_folders import CaptureFolders
 from server.captures.capture_readers import NOTE_BYTES
 from server.http.problem_error import ProblemError
@@ -60,13 +61,33 @@ def main(arguments: list[str] | None = None) -> int:
     logging.basicConfig(level=logging.WARNING, format="%(message)s")
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)  # redirects the prints of libraries
-    lines: queue.SimpleQueue[bytes] = queue.SimpleQueue()
-    when_parent_is_gone(_end, lines.put)
-    request = json.loads(lines.get())
+    request = json.loads(_first_line() or _end())
+    enter_sandbox(*_places(operation, request))
+    when_parent_is_gone(_end)
     _note_files(int(note))
     for answer in _OPERATIONS[operation](request, home):
         _send(answers, answer)
     return 0
+
+
+def _first_line() -> bytes:
+    """Return the request, b"" if the server is gone; no thread reads it, since there may be none before the sandbox."""
+    line = b""
+    while not line.endswith(b"\n"):
+        data = os.read(0, 4096)
+        if not data:
+            return b""
+        line += data
+    return line
+
+
+def _places(operation: str, request: dict[str, Any]) -> tuple[list[Path], list[Path]]:
+    """Return the files and folders that an operation may read, and those that it may write."""
+    if operation == "create":
+        given = map(Path, GivenFiles.from_json(request).to_json().values())
+        folders = Path(request["capture"]), *(path for path in given if path.is_absolute())  # a sound may be a word
+        return [place for folder in folders for place in with_links(folder)], [Path(request["run"])]
+    return list(_folders(request).readable), []
 
 
 def _find(request: dict[str, Any], home: Home) -> Iterator[dict[str, Any]]:
@@ -96,7 +117,6 @@ def _describe(request: dict[str, Any], home: Home) -> Iterator[dict[str, Any]]:
 
 
 def _create(request: dict[str, Any], home: Home) -> Iterator[dict[str, Any]]:
-    from hgs_core.runs.given_files import GivenFiles
     from hgs_core.runs.run_config import RunConfig
     from server.captures.capture_outlines import require_bounded_tables
 

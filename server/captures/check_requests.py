@@ -125,7 +125,7 @@ class CaptureChecks:
         """Run the check and keep its result; return the error, if any."""
         pipe = asyncio.subprocess.PIPE
         process = await asyncio.create_subprocess_exec(
-            *module_command("jobs.process.limited", _STAGE),
+            *module_command("jobs.process.limited", _STAGE, str(check.capture)),
             *self._command(check.capture),
             stdin=asyncio.subprocess.DEVNULL,
             stdout=pipe,

@@ -77,6 +77,7 @@ class LimitedCreation:
 
     def _look(self, run: Path, capture: Path, asked: dict[str, Any]) -> _Kept:
         request = {"run": str(run), "seconds": _SECONDS, **asked}
+        run.mkdir(parents=True, exist_ok=True)  # the reader may make nothing but files in it
         try:
             (answer,) = self._readers.read("create", request, _WALL_SECONDS)
             found, spec = answered(answer, capture), RunFolder(run).spec

@@ -139,6 +139,7 @@ def _run(options: argparse.Namespace) -> int:
     from jobs.artifacts.artifact_store import open_store
     from jobs.artifacts.publish_run import publish_run
     from jobs.home.home import Home
+    from jobs.process.sandbox import missing_from_sandbox
     from jobs.process.stage_environment import keep_secrets
     from jobs.records.keys import KeyTable
     from jobs.worker_processes import WorkerProcesses
@@ -170,6 +171,8 @@ def _run(options: argparse.Namespace) -> int:
             scenes = [publish_run(store, run, progress=bars) for run in options.run_folders]
         if line:
             print(line, file=sys.stderr)
+        if lacking := missing_from_sandbox():
+            print(f"hgs: {lacking}", file=sys.stderr)
         captures = CaptureFolders.configured(home.folder, options.captures)
         app = create_app(
             home,

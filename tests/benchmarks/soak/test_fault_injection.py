@@ -31,7 +31,11 @@ class Doubles:
         self.workers = [self.processes["worker 1"], self.processes["worker 2"]]
         self.home = SimpleNamespace(runs=folder / "runs", folder=folder)
         self.extras = SimpleNamespace(small_disk=False)
+        self.starting = self.overdue = False
         self.clocks = {"api": SteppedClock(Path("none"), folder / "clock")}
+
+    def at_work(self, process: Any) -> bool:
+        return not self.starting
 
     def double(self, role: str, *acts: str) -> Any:
         def note(act: str) -> Callable[..., None]:
@@ -83,6 +87,24 @@ def test_a_fault_is_met_and_noted(
     met = bool(EXPECTED[kind]) or kind is Fault.STEP_CLOCK
     assert injection.met[kind] == met
     assert [(event.act, event.target) for event in noted()] == [(Act.FAULT, kind)] * met
+
+
+@pytest.mark.parametrize("kind", [Fault.KILL_API, Fault.STOP_API, Fault.KILL_WORKER, Fault.KILL_COLLECTOR])
+def test_a_process_that_only_starts_is_left_alone(kind: Fault, injection: FaultInjection, service: Doubles) -> None:
+    service.starting = True
+    injection.run([PlannedFault(0.0, kind, 0.0, 0.7)], threading.Event())
+    for thread in injection._healing:
+        thread.join()
+    assert (service.done, injection.met[kind]) == ([], 0)
+
+
+@pytest.mark.parametrize("kind", [Fault.DROP_DATABASE, Fault.RESTART_DATABASE, Fault.STORE_REFUSES])
+def test_a_service_that_starts_for_long_is_left_alone(kind: Fault, injection: FaultInjection, service: Doubles) -> None:
+    service.overdue = True
+    injection.run([PlannedFault(0.0, kind, 0.0, 0.7)], threading.Event())
+    for thread in injection._healing:
+        thread.join()
+    assert (service.done, injection.met[kind]) == ([], 0)
 
 
 def test_a_clock_is_stepped_and_put_right(

@@ -1,8 +1,11 @@
 from __future__ import annotations
 
 import hashlib
+import itertools
+from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -18,8 +21,17 @@ from tests.jobs.modules.scene_folder import write_scene
 Scripted = Callable[[Callable[[str, str, Any], Answer]], Any]
 
 
-def job(state: str) -> dict[str, Any]:
-    return {"id": "a", "state": state, "error": None, "waiting": None, "labels": ["key"]}
+def job(state: str, done: int = 0) -> dict[str, Any]:
+    progress = {"stage": "train", "done": done, "total": 9}
+    return {"id": "a", "state": state, "error": None, "waiting": None, "labels": ["key"], "progress": progress}
+
+
+@pytest.fixture
+def moments(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let every look at the clock be a second later, and nobody sleep."""
+    clock = itertools.count()
+    quick = SimpleNamespace(monotonic=lambda: float(next(clock)), sleep=lambda seconds: None)
+    monkeypatch.setattr(final_state, "time", quick)
 
 
 def test_everything_is_read_from_api_store_and_files(board: Board, scripted: Scripted, tmp_path: Path) -> None:
@@ -45,13 +57,32 @@ def test_everything_is_read_from_api_store_and_files(board: Board, scripted: Scr
     assert (found.keys, found.stages) == ({"anna": 200}, [])
 
 
-def test_an_api_that_gives_no_list_is_no_empty_service(scripted: Scripted, tmp_path: Path) -> None:
+def test_an_api_that_gives_no_list_is_no_empty_service(scripted: Scripted, tmp_path: Path, moments: None) -> None:
     with pytest.raises(ConnectionError, match="503"):
         state_of(Home.at(tmp_path), scripted(lambda method, path, body: Answer(503)), [])
 
 
-def test_a_service_has_settled_when_all_jobs_are_finished(scripted: Scripted, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(final_state.time, "sleep", lambda seconds: None)
+def test_a_service_has_settled_when_all_jobs_are_finished(scripted: Scripted, moments: None) -> None:
     answers = iter([Answer(0), Answer(200, {"jobs": [job("running")]}), Answer(200, {"jobs": [job("failed")]})])
     settled(scripted(lambda method, path, body: next(answers)), 1000.0)
     assert next(answers, None) is None
+
+
+def test_jobs_that_go_on_are_waited_for_and_those_that_do_not_are_not(scripted: Scripted, moments: None) -> None:
+    answers = [Answer(200, {"jobs": [job("running", min(look, 20))]}) for look in range(100)]
+    left = iter(answers)
+    took = settled(scripted(lambda method, path, body: next(left)), 10.0)
+    assert 20 < took < 40
+
+
+def test_a_late_answer_of_a_healed_service_is_waited_for(
+    board: Board, scripted: Scripted, tmp_path: Path, moments: None
+) -> None:
+    board.keys["anna"] = "hgs_anna"
+    asked: Counter[str] = Counter()
+
+    def answer(method: str, path: str, body: Any) -> Answer:
+        asked[path] += 1
+        return Answer(200, {"jobs": [], "scenes": []}) if asked[path] > 1 else Answer(0)
+
+    assert state_of(Home.at(tmp_path / "home"), scripted(answer), []).keys == {"anna": 200}

@@ -18,12 +18,14 @@ def test_a_job_is_submitted_until_it_is_acknowledged(
     board.captures.append("/room")
     answers = iter([Answer(0), Answer(202, {"id": "s"}), Answer(200, {"id": "a"})])
     asked: list[str] = []
+    assert not board.submitted.is_set()
 
     def answer(method: str, path: str, body: Any) -> Answer:
         asked.append(path)
         return next(answers, Answer(201, {"id": "a"}))
 
     assert JobActions(scripted(answer)).submit() == "a"
+    assert board.submitted.is_set()
     assert asked[:3] == ["/v1/jobs", "/v1/jobs", "/v1/submissions/s"]
     assert [(event.target, event.status) for event in noted()][:2] == [("client-1", 0), ("client-1", 200)]
 

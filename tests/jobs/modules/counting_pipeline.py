@@ -37,7 +37,7 @@ SECONDS_PER_ITERATION = 0.02
 def create_run(run: Path, capture: Path, config: RunConfig, given: GivenFiles | None = None) -> RunConfig:
     if not (capture / "behaviour").is_file():
         raise InputError(capture, "has no file `behaviour`")
-    run.mkdir(parents=True)
+    run.mkdir(parents=True, exist_ok=True)
     _replace(run / "run.json", json.dumps({"capture": str(capture), "iterations": config.train.iterations}))
     return config
 

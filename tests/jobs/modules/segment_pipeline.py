@@ -24,7 +24,7 @@ from tests.growing import growing_manifest
 
 
 def create_run(run: Path, capture: Path, config: RunConfig, given: GivenFiles) -> RunConfig:
-    run.mkdir(parents=True)
+    run.mkdir(parents=True, exist_ok=True)
     numbers = {name: float((capture / name).read_text()) for name in ("segments", "pace")}
     write_bytes(run / "run.json", json.dumps(numbers | {"iterations": config.train.iterations}).encode())
     return config

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import socket
 from pathlib import Path
 from typing import Any
 
@@ -14,9 +15,14 @@ from hgs_core.runs.run_folder import RunFolder
 from jobs.home.home import Home
 from jobs.home.stage_limits import StageLimits
 from jobs.home.stage_settings import StageBytes, StageCount
+from jobs.process.landlock import landlock_version
+from server.captures.capture_folders import CaptureFolders
+from server.captures.capture_outlines import describe_capture
 from server.captures.capture_readers import CaptureReaders, ReaderEndedError, answered
 from tests.server.hostile_captures import HOSTILE, write_still
 from tests.synthetic import write_capture
+
+needs_sandbox = pytest.mark.skipif(landlock_version() < 4, reason="the kernel has no Landlock that refuses TCP")
 
 
 @pytest.fixture
@@ -42,6 +48,7 @@ def hostile(tmp_path: Path, name: str) -> Path:
 def test_a_run_is_begun_as_the_pipeline_does(home: Home, tmp_path: Path) -> None:
     write_capture(tmp_path / "capture", frames=2)
     run, config = tmp_path / "run", RunConfig.from_json({"capture": {"hold_out": ["2"]}, "seed": 7})
+    run.mkdir()
     request = {
         "run": str(run),
         "capture": str(tmp_path / "capture"),
@@ -88,9 +95,10 @@ def create_run(run, capture, config, given):
 
 def create_with(home: Home, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, harm: str, seconds: int) -> dict[str, Any]:
     """Have a run begun by a pipeline that does harm once it has read a file: tables that could are not read at all."""
-    (tmp_path / "hungry_pipeline.py").write_text(HUNGRY.format(harm=harm))
-    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
-    (tmp_path / "capture").mkdir()
+    for name in ("code", "capture", "run"):
+        (tmp_path / name).mkdir()
+    (tmp_path / "code" / "hungry_pipeline.py").write_text(HUNGRY.format(harm=harm))
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path / "code"))
     write_still(tmp_path / "capture")
     request = {
         "run": str(tmp_path / "run"),
@@ -122,6 +130,48 @@ def test_processor_time_is_limited(home: Home, tmp_path: Path, monkeypatch: pyte
     with pytest.raises(ReaderEndedError, match="takes more processor time") as raised:
         create_with(home, tmp_path, monkeypatch, "while True: pass", 0)
     assert raised.value.of(tmp_path / "capture").where == str(tmp_path / "capture" / "transforms.json")
+
+
+@needs_sandbox
+@pytest.mark.parametrize("harm", ["open({file!r})", "open({file!r}, 'a')", "open({file!r} + '-new', 'w')"])
+def test_the_servers_database_is_out_of_reach(
+    home: Home, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, harm: str
+) -> None:
+    home.folder.mkdir()
+    database = home.folder / "jobs.sqlite"
+    database.touch()
+    told = create_with(home, tmp_path, monkeypatch, harm.format(file=str(database)), 60)
+    assert told["unreadable"].startswith("cannot be read (PermissionError: ")
+
+
+@needs_sandbox
+def test_a_reader_opens_no_connection(home: Home, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as listening:
+        harm = f"import socket; socket.create_connection({listening.getsockname()!r})"
+        told = create_with(home, tmp_path, monkeypatch, harm, 60)
+    assert told["unreadable"].startswith("cannot be read (PermissionError: ")
+
+
+def test_a_capture_is_described_in_the_sandbox_as_without(home: Home, tmp_path: Path) -> None:
+    capture = tmp_path / "captures" / "a"
+    write_capture(capture, frames=2)
+    (told,) = describe(home, capture)
+    assert told["found"] == describe_capture(capture, CaptureFolders((capture.parent,)))
+
+
+def test_links_to_other_folders_of_captures_are_followed(home: Home, tmp_path: Path) -> None:
+    capture, run, elsewhere = tmp_path / "capture", tmp_path / "run", tmp_path / "elsewhere"
+    write_capture(capture, frames=2)
+    for folder in (run, elsewhere):
+        folder.mkdir()
+    for file in [path for path in capture.rglob("*") if path.suffix in (".png", ".jpg", ".mp4")]:
+        moved = elsewhere / file.relative_to(capture).as_posix().replace("/", "-")
+        file.rename(moved)
+        file.symlink_to(moved)
+    request = {"run": str(run), "capture": str(capture), "config": RunConfig().to_json(), "seconds": 60}
+    request |= dict.fromkeys(("masks", "depth", "mesh")) | {"audio": "none"}
+    (answer,) = CaptureReaders(home).read("create", request, 600)
+    assert "found" in answer
 
 
 def test_the_file_that_a_library_opens_is_known(home: Home, tmp_path: Path) -> None:

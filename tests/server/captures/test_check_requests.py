@@ -3,13 +3,19 @@ from __future__ import annotations
 import asyncio
 import json
 import os
+import subprocess
 import sys
+import uuid
 from pathlib import Path
 
 import pytest
 
+from hgs_core.capture.open import open_capture
+from hgs_core.check.capture_check import check_capture
+from jobs.process.landlock import landlock_version
 from server.captures.check_requests import CaptureCheckRun, CaptureChecks
 from server.http.problems import ProblemError
+from tests.synthetic import write_capture
 
 FOUND = {
     "cameras": [{"name": "a"}],
@@ -76,23 +82,22 @@ def test_a_check_has_the_limits_of_a_stage(monkeypatch: pytest.MonkeyPatch) -> N
 
 
 @pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="the system has no /proc")
-def test_a_check_with_too_many_processes_is_ended_with_all_of_them(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_a_check_with_too_many_processes_is_ended_with_all_of_them(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("HGS_STAGE_PROCESSES", "5")
+    asleep = f"600.{uuid.uuid4().int}"  # seconds, by which its processes are found
     multiply = (
-        "import subprocess, sys, time; from pathlib import Path; path = Path(sys.argv[1])\n"
-        "pids = [subprocess.Popen(['sleep', '600'], start_new_session=True).pid for _ in range(6)]\n"
-        "path.write_text(' '.join(map(str, pids))); time.sleep(600)"
+        f"import subprocess, time; command = ['sleep', {asleep!r}]\n"
+        "for _ in range(6): subprocess.Popen(command, start_new_session=True)\n"
+        "time.sleep(600)"
     )
 
     async def scenario() -> None:
-        check = await ended(checks(multiply).start(tmp_path / "pids"))
+        check = await ended(checks(multiply).start(Path("/a")))
         assert (check.error or "").startswith("stopped: too many processes: ")
 
     asyncio.run(scenario())
-    commands = [Path("/proc", pid, "cmdline") for pid in (tmp_path / "pids").read_text().split()]
-    assert not any(command.exists() and b"sleep" in command.read_bytes() for command in commands)
+    listed = subprocess.check_output(["ps", "-e", "-o", "args="], text=True).splitlines()
+    assert [line for line in listed if line.startswith("sleep ") and asleep in line] == []
 
 
 def test_a_check_that_takes_too_long_is_ended() -> None:
@@ -105,22 +110,24 @@ def test_a_check_that_takes_too_long_is_ended() -> None:
 
 def test_checks_run_one_at_a_time_and_once_per_capture(tmp_path: Path) -> None:
     async def scenario() -> None:
-        pipe = tmp_path / "pipe"
+        a, b = tmp_path, tmp_path / "b"  # the pipe is in both
+        b.mkdir()
+        pipe = b / "pipe"
         os.mkfifo(pipe)
         some = checks(f"open({str(pipe)!r}).read(); print({json.dumps(json.dumps(FOUND))})")
-        first = some.start(Path("/a"))
-        second = some.start(Path("/b"))
-        assert some.start(Path("/a")) is first
+        first = some.start(a)
+        second = some.start(b)
+        assert some.start(a) is first
         while first.state != "running":
             await asyncio.sleep(0.01)
         assert second.state == "waiting"
         for check in (first, second):
             await asyncio.to_thread(pipe.write_text, "")
             assert (await ended(check)).state == "done"
-        assert some.get(Path("/a")) is first
-        again = some.start(Path("/a"))
+        assert some.get(a) is first
+        again = some.start(a)
         assert again is not first
-        waits = some.start(Path("/b"))
+        waits = some.start(b)
         while again.state != "running":
             await asyncio.sleep(0.01)
         await some.close()  # does not wait for anybody to write into the pipe
@@ -150,5 +157,33 @@ def test_the_process_knows_no_secrets(monkeypatch: pytest.MonkeyPatch) -> None:
     async def scenario() -> None:
         program = "import os; raise SystemExit(any(n.startswith(('AWS_', 'HGS_DATABASE')) for n in os.environ))"
         assert (await ended(checks(program).start(Path("/a")))).error == "ended with status 0"
+
+    asyncio.run(scenario())
+
+
+@pytest.mark.skipif(landlock_version() == 0, reason="the kernel has no Landlock")
+def test_a_check_reads_its_capture_alone(tmp_path: Path) -> None:
+    for name in ("capture", "home"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "file").touch()
+
+    async def scenario() -> None:
+        told = []
+        for name in ("capture", "home"):
+            program = f"open({str(tmp_path / name / 'file')!r}); raise SystemExit(5)"
+            told.append((await ended(checks(program).start(tmp_path / "capture"))).error)
+        assert told == ["ended with status 5", "ended with status 1"]
+
+    asyncio.run(scenario())
+
+
+def test_a_check_in_its_sandbox_finds_what_one_without_finds(tmp_path: Path) -> None:
+    write_capture(tmp_path / "capture", frames=2)
+
+    async def scenario() -> None:
+        check = await ended(CaptureChecks().start(tmp_path / "capture"))
+        assert check.error is None
+        found = check_capture(open_capture(tmp_path / "capture"), lambda progress: None).to_json()
+        assert check.found == json.loads(json.dumps({name: found[name] for name in check.found or {}}))
 
     asyncio.run(scenario())

@@ -29,7 +29,7 @@ if how == "refused":
 elif how == "full":
     print(json.dumps({{"errno": 28, "error": "no space"}}))
 else:
-    run.mkdir(parents=True)
+    run.mkdir(parents=True, exist_ok=True)
     (run / "run.json").write_text(asked.get("audio", "auto"))
     if how == "more":
         (run / "points.npz").touch()

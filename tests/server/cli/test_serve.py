@@ -151,6 +151,14 @@ def test_bad_limits_are_refused(refused: Callable[..., str], options: list[str],
     assert problem in refused("serve", "--port", 0, *options)
 
 
+def test_a_kernel_without_a_sandbox_is_named_at_the_start(tmp_path: Path) -> None:
+    (tmp_path / "sitecustomize.py").write_text("from jobs.process import landlock; landlock.landlock_version = int")
+    path = os.pathsep.join((str(tmp_path), str(REPOSITORY)))
+    with serving(tmp_path / "home", "--workers", 0, PYTHONPATH=path) as (process, _):
+        process.terminate()
+        assert process.communicate(timeout=60)[1].count("hgs: no sandbox: this kernel has no Landlock") == 1
+
+
 def test_the_root_of_a_proxy_is_taken_from_options_and_environment(tmp_path: Path) -> None:
     with serving(tmp_path, "--workers", "0", HGS_ROOT_PATH="/my%20scenes/hgs") as (_, page):
         assert httpx.get(f"{page}my%20scenes/hgs/v1/health").status_code == 200
