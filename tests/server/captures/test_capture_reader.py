@@ -169,7 +169,7 @@ def test_links_to_other_folders_of_captures_are_followed(home: Home, tmp_path: P
         file.rename(moved)
         file.symlink_to(moved)
     request = {"run": str(run), "capture": str(capture), "config": RunConfig().to_json(), "seconds": 60}
-    request |= dict.fromkeys(("masks", "depth", "mesh")) | {"audio": "none"}
+    request |= {"audio": "none"}
     (answer,) = CaptureReaders(home).read("create", request, 600)
     assert "found" in answer
 
