@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import importlib
 import shutil
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Protocol, Self
@@ -92,56 +92,14 @@ class JobClient:
         """
         capture = request.capture.expanduser().resolve()
         require_storable("capture", str(capture), MAX_PATH)  # a symbolic link may lead to any name
-        if earlier := self._earlier(request):
-            return earlier
-        title = request.title.strip() or one_line(capture.name)[:MAX_TITLE]
-        job_id = readable_id(title, "job")
-        run = self.home.run(job_id)
-        create_run: CreateRun = self._create_run or importlib.import_module(self.home.pipeline).create_run
-        try:
-            config = create_run(
-                run,
-                capture,
-                request.config,
-                masks=request.masks,
-                depth=request.depth,
-                mesh=request.mesh,
-                audio=request.audio,
-            )
-            job = Job(
-                id=job_id,
-                title=title,
-                capture=str(capture),
-                config=config.to_json(),
-                labels=request.labels,
-                priority=request.priority,
-                time_limit=request.time_limit,
-                webhook=request.webhook,
-                audio=request.audio,
-            )
-            self._add(job, (request.key, request.digest) if request.key else None)
-        except sa.exc.IntegrityError:
-            self._forget(job_id)
-            if earlier := self._earlier(request):  # asked for at the same moment
-                return earlier
-            raise
-        except BaseException:
-            self._forget(job_id)
-            raise
-        return job_id
+        return self._once(request, lambda: self._training(request, capture))
 
     def edit(self, request: EditRequest) -> str:
         """Queue the edit of a published scene and return the job's id, which the new scene will have.
 
-        Raises, and leaves nothing behind, as `make_edit_job`.
+        Raises, and leaves nothing behind, as `make_edit_job`; keys hold as those of `submit`.
         """
-        job = make_edit_job(self.home, request)
-        try:
-            self._add(job)
-        except BaseException:
-            self._forget(job.id)
-            raise
-        return job.id
+        return self._once(request, lambda: make_edit_job(self.home, request))
 
     def get(self, job_id: str) -> Job | None:
         """Return a job, or None if there is no such job. One indexed read: cheap enough to poll."""
@@ -252,6 +210,51 @@ class JobClient:
     ) -> None:
         self.close()
 
+    def _once(self, request: JobRequest | EditRequest, make: Callable[[], Job]) -> str:
+        """Queue the job that `make` returns, or return the id of the one that an equal request with its key made."""
+        if earlier := self._earlier(request):
+            return earlier
+        job = make()
+        try:
+            self._add(job, (request.key, request.digest) if request.key else None)
+        except BaseException as error:
+            self._forget(job.id)
+            # Another request with this key may have arrived at the same moment.
+            if isinstance(error, sa.exc.IntegrityError) and (earlier := self._earlier(request)):
+                return earlier
+            raise
+        return job.id
+
+    def _training(self, request: JobRequest, capture: Path) -> Job:
+        """Return the job of a capture's training that is in no queue yet, and create its run folder."""
+        title = request.title.strip() or one_line(capture.name)[:MAX_TITLE]
+        job_id = readable_id(title, "job")
+        create_run: CreateRun = self._create_run or importlib.import_module(self.home.pipeline).create_run
+        try:
+            config = create_run(
+                self.home.run(job_id),
+                capture,
+                request.config,
+                masks=request.masks,
+                depth=request.depth,
+                mesh=request.mesh,
+                audio=request.audio,
+            )
+            return Job(
+                id=job_id,
+                title=title,
+                capture=str(capture),
+                config=config.to_json(),
+                labels=request.labels,
+                priority=request.priority,
+                time_limit=request.time_limit,
+                webhook=request.webhook,
+                audio=request.audio,
+            )
+        except BaseException:
+            self._forget(job_id)
+            raise
+
     def _add(self, job: Job, request: tuple[str, str] | None = None) -> None:
         """Keep the run folder of a new job, and queue it."""
         self._runs.submitted(job.id)
@@ -266,7 +269,7 @@ class JobClient:
         with contextlib.suppress(Exception):  # `hgs gc` removes what cannot be removed now
             self._runs.remove(job_id)
 
-    def _earlier(self, request: JobRequest) -> str:
+    def _earlier(self, request: JobRequest | EditRequest) -> str:
         """Return the job that an earlier request with the same key made; "" if there is none."""
         found = self._table.requested(request.key) if request.key else None
         if found is None:
