@@ -185,7 +185,7 @@ def test_no_long_name_widens_the_form(browser: Browser, site: Site, options: dic
     captures = [capture(LONG, cameras=[LONG, "b", "c"]), capture("b", problem=LONG)]
     answer = {"captures": captures, "folders": [], "complete": False}
     with answering(browser, site, "/new", {"captures": answer}, **options) as page:
-        page.get_by_text("Choose cameras").click()
+        page.get_by_text("More settings").click()
         page.get_by_role("checkbox").first.wait_for()
         assert width_of(page) == options["viewport"]["width"]
 
@@ -221,6 +221,8 @@ def test_controls_are_large_enough_for_fingers(browser: Browser, site: Site) -> 
     captures = {"captures": [capture("a"), capture("b")], "folders": [], "complete": True}
     with answering(browser, site, "/new", {"captures": captures}, **PHONE) as page:
         page.get_by_text("a", exact=True).tap()
+        page.get_by_text("More settings").tap()
+        assert page.get_by_role("checkbox").count() == 0  # 16 cameras are folded away
         page.get_by_text("Choose cameras").tap()
         assert small_controls(page) == []
     with job_page(browser, site, RUNNING, {"report": True, "scene": "a"}, **PHONE) as page:

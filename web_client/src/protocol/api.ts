@@ -164,6 +164,12 @@ export async function listCaptures(signal: AbortSignal): Promise<CaptureList> {
   return { captures: [], folders: [], complete: true, ...answer };
 }
 
+/** The first pictures of a capture's cameras as data URIs, by name; null for an unreadable one. */
+export async function getCameraPictures(capture: string, signal: AbortSignal): Promise<Record<string, string | null>> {
+  const path = siteUrl(`v1/captures/pictures?capture=${encodeURIComponent(capture)}`);
+  return ((await getJson(path, signal)).pictures ?? {}) as Record<string, string | null>;
+}
+
 /** The identity of this browser at the server. */
 export interface Session {
   /** Whether the server requires keys at all. */
