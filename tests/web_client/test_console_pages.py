@@ -197,6 +197,12 @@ def test_no_long_name_widens_the_page_of_a_job(browser: Browser, site: Site, opt
         assert width_of(page) == options["viewport"]["width"]
 
 
+def test_a_job_that_ended_without_a_picture_announces_none(browser: Browser, site: Site) -> None:
+    ended = RUNNING | {"state": "cancelled"}
+    with job_page(browser, site, ended, {"picture": None, "report": False, "scene": None}) as page:
+        page.locator(".job-picture").wait_for(state="hidden")
+
+
 def small_controls(page: Page) -> list[str]:
     """The labels of controls that are smaller than a finger; a box or circle counts with its label."""
     found: list[str] = page.evaluate("""() =>
