@@ -25,7 +25,7 @@ export class CropTool {
   readonly #application: EditApplication;
   #box: CropBox | null = null;
   #inverse = false;
-  #document = ""; // of the crop that is shown
+  #document = ""; // the shown crop as an edit
   #frame = 0; // 0 without a requested frame
 
   /**
