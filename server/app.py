@@ -123,7 +123,7 @@ def create_app(
         sweeping.cancel()
         readers.close()
         await service.submissions.close()
-        for pool in (service.capture_list, service.long_work, service.file_work):
+        for pool in (service.capture_list, service.camera_pictures, service.long_work, service.file_work):
             pool.close()
         await service.capture_checks.close()
         received.close()

@@ -15,6 +15,7 @@ from jobs.records.job import Job
 from jobs.runs.run_reading import RunReader, run_reader
 from server.access.origins import OriginPolicy
 from server.access.visitors import Access, Visitor
+from server.captures.camera_pictures import CameraPictures
 from server.captures.capture_folders import CaptureFolders
 from server.captures.capture_list import CaptureList
 from server.captures.capture_readers import CaptureReaders
@@ -54,6 +55,7 @@ class Service:
     followers: JobFollowers = field(init=False)
     catalogue: SceneCatalogue = field(init=False)
     capture_list: CaptureList = field(init=False)
+    camera_pictures: CameraPictures = field(init=False)
     capture_checks: CaptureChecks = field(default_factory=CaptureChecks)
     submissions: Submissions = field(default_factory=Submissions)
     long_work: SlowWork = field(default_factory=lambda: SlowWork("long", 4))  # whole captures and runs
@@ -68,6 +70,7 @@ class Service:
         self.followers = JobFollowers(self.jobs, self.stopping)
         self.catalogue = SceneCatalogue(self.artifacts, self.jobs)
         self.capture_list = CaptureList(self.captures, self.readers)
+        self.camera_pictures = CameraPictures(self.captures, self.readers)
         self.live = LiveScenes(self.catalogue.scene, self.watchers.tell)
 
     def known_job(self, job_id: str) -> Job:

@@ -41,7 +41,7 @@ class Outline:
     """An outline of a capture, without decoded pictures and without the checks of `load`."""
 
     cameras: tuple[str, ...]  # their names, in the order of the capture
-    first: Path  # the first camera's video, or its first picture
+    firsts: tuple[Path, ...]  # each camera's video, or its first picture
     frames: int | None = None  # None: not told without reading more
     seconds: float | None = None  # duration of the frames, if known
 
@@ -136,15 +136,15 @@ def outline(capture: Path, camera_format: CameraFormat, file: Path) -> Outline:
     """
     rig = with_rigid_poses(camera_format.read(capture, file))
     matched = match_footage(capture, rig)
-    first = matched.footage[0]
+    first, firsts = matched.footage[0], tuple(one.files[0] for one in matched.footage)
     if matched.kind == "photographs":
-        return Outline(matched.names, first.files[0], 1, 0.0)
+        return Outline(matched.names, firsts, 1, 0.0)
     if first.video:
         frames, rate = announced_length(first.files[0])
         seconds = frames / rate if frames is not None and rate is not None else None
-        return Outline(matched.names, first.files[0], frames, seconds)
+        return Outline(matched.names, firsts, frames, seconds)
     rate = read_sync(capture).rate or rig.rate or _ASSUMED_RATE
-    return Outline(matched.names, first.files[0], len(first.files), len(first.files) / rate)
+    return Outline(matched.names, firsts, len(first.files), len(first.files) / rate)
 
 
 def _reader(name: str, footage: Footage, index: Path | None) -> VideoReader | PictureSequence:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import json
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -14,13 +13,12 @@ import numpy as np
 
 from hgs_core.base.arrays import Mask
 from hgs_core.base.errors import InputError
+from hgs_core.edit.edit_file import EditFormat, read_edit_file, shown
 from hgs_core.edit.viewed_scene import Edit, ViewedScene
 from hgs_core.interchange.changes import Action, Change, nonzero
 
-__all__ = ["MAX_BYTES", "ChunkSizes", "SplatList", "drop_listed"]
+__all__ = ["ChunkSizes", "SplatList", "drop_listed"]
 
-MAX_BYTES = 64 << 20
-_FORMAT, _VERSION = "hgs-splats", 1
 _CHUNK = re.compile(r"[0-9a-f]{64}")
 _AGAIN = "save the list again on the scene's page"
 
@@ -42,25 +40,18 @@ class SplatList:
         Raises:
             InputError: it is missing, too large or no list of splats; names the file, the field and the value.
         """
-        try:
-            size = file.stat().st_size
-            if size > MAX_BYTES:
-                raise InputError(file, f"has {size:,} bytes", f"give at most {MAX_BYTES:,}; edit in several steps")
-            document: Any = json.loads(file.read_bytes())
-        except OSError as error:
-            raise InputError(file, f"cannot be read ({error.strerror})", "give a list of splats") from error
-        except (ValueError, RecursionError) as error:
-            if isinstance(error, InputError):
-                raise
-            raise InputError(file, f"is not JSON ({error})", _AGAIN) from error
-        fields = document if isinstance(document, dict) else {}
-        for name, expected in (("format", _FORMAT), ("version", _VERSION)):
-            value = fields.get(name)
-            if value != expected or isinstance(value, bool):
-                raise InputError(f"{file}: {name}", f"is {_shown(value)}, not {expected!r}", "give a list of splats")
+        return cls.of(file, read_edit_file(file, (EditFormat.SPLATS,)))
+
+    @classmethod
+    def of(cls, file: Path, fields: dict[str, Any]) -> SplatList:
+        """Read the fields of a file with a checked format.
+
+        Raises:
+            InputError: the chunks are malformed.
+        """
         chunks = fields.get("chunks")
         if not isinstance(chunks, dict) or not chunks:
-            raise InputError(f"{file}: chunks", f"is {_shown(chunks)}, not an object of chunks", _AGAIN)
+            raise InputError(f"{file}: chunks", f"is {shown(chunks)}, not an object of chunks", _AGAIN)
         for chunk in chunks:
             if not _CHUNK.fullmatch(chunk):
                 raise InputError(f"{file}: chunks", f"{chunk[:80]!a} is not the id of a chunk", _AGAIN)
@@ -107,22 +98,15 @@ def _unlisted(listed: SplatList, chunks: ChunkSizes) -> Mask:
 
 def _ranges(where: str, value: Any) -> list[tuple[int, int]]:
     if not isinstance(value, list) or not value:
-        raise InputError(where, f"is {_shown(value)}, not a list of ranges", _AGAIN)
+        raise InputError(where, f"is {shown(value)}, not a list of ranges", _AGAIN)
     before, ranges = -1, list[tuple[int, int]]()
     for i, one in enumerate(value):
         pair = one if isinstance(one, list) and len(one) == 2 and all(type(end) is int for end in one) else None
         if pair is None:
-            raise InputError(f"{where}[{i}]", f"is {_shown(one)}, not two whole numbers", "give [first, last]")
+            raise InputError(f"{where}[{i}]", f"is {shown(one)}, not two whole numbers", "give [first, last]")
         first, last = pair
         if not before < first <= last:
-            raise InputError(
-                f"{where}[{i}]", f"{_shown(one)} does not ascend from {before}", "sort and join the ranges"
-            )
+            raise InputError(f"{where}[{i}]", f"{shown(one)} does not ascend from {before}", "sort and join the ranges")
         before = last
         ranges.append((first, last))
     return ranges
-
-
-def _shown(value: Any) -> str:
-    text = json.dumps(value)
-    return text if len(text) <= 80 else f"{text[:77]}..."

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import shutil
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from types import TracebackType
 from typing import Self
 
@@ -69,30 +69,14 @@ class JobClient:
 
         Whatever is raised, nothing stays behind.
         """
-        if earlier := self._earlier(request):
-            return earlier
-        job = make_training_job(self.home, request, self._create_run)
-        try:
-            self._add(job, (request.key, request.digest) if request.key else None)
-        except BaseException as error:
-            self._forget(job.id)
-            if isinstance(error, sa.exc.IntegrityError) and (earlier := self._earlier(request)):
-                return earlier  # asked for at the same moment
-            raise
-        return job.id
+        return self._once(request, lambda: make_training_job(self.home, request, self._create_run))
 
     def edit(self, request: EditRequest) -> str:
         """Queue the edit of a published scene and return the job's id, which the new scene will have.
 
-        Raises, and leaves nothing behind, as `make_edit_job`.
+        Raises, and leaves nothing behind, as `make_edit_job`; keys hold as those of `submit`.
         """
-        job = make_edit_job(self.home, request)
-        try:
-            self._add(job)
-        except BaseException:
-            self._forget(job.id)
-            raise
-        return job.id
+        return self._once(request, lambda: make_edit_job(self.home, request))
 
     def get(self, job_id: str) -> Job | None:
         """Return a job, or None if there is no such job. One indexed read: cheap enough to poll."""
@@ -203,6 +187,21 @@ class JobClient:
     ) -> None:
         self.close()
 
+    def _once(self, request: JobRequest | EditRequest, make: Callable[[], Job]) -> str:
+        """Queue the job that `make` returns, or return the id of the one that an equal request with its key made."""
+        if earlier := self._earlier(request):
+            return earlier
+        job = make()
+        try:
+            self._add(job, (request.key, request.digest) if request.key else None)
+        except BaseException as error:
+            self._forget(job.id)
+            # Another request with this key may have arrived at the same moment.
+            if isinstance(error, sa.exc.IntegrityError) and (earlier := self._earlier(request)):
+                return earlier
+            raise
+        return job.id
+
     def _add(self, job: Job, request: tuple[str, str] | None = None) -> None:
         """Keep the run folder of a new job, and queue it."""
         self._runs.submitted(job.id)
@@ -217,7 +216,7 @@ class JobClient:
         with contextlib.suppress(Exception):  # `hgs gc` removes what cannot be removed now
             self._runs.remove(job_id)
 
-    def _earlier(self, request: JobRequest) -> str:
+    def _earlier(self, request: JobRequest | EditRequest) -> str:
         """Return the job that an earlier request with the same key made; "" if there is none."""
         found = self._table.requested(request.key) if request.key else None
         if found is None:

@@ -34,7 +34,7 @@ def make_edit_job(home: Home, request: EditRequest) -> Job:
     source = source_of_edit(run, request.scene)
     try:
         copy_scene(store, request.scene, source, title)
-        config = ask_edit(run, request.scene, request.splats)
+        config = ask_edit(run, request.scene, request.document)
     except BaseException:
         shutil.rmtree(run, ignore_errors=True)
         raise

@@ -2,29 +2,35 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 from dataclasses import dataclass
 
-from hgs_core.base.errors import InputError
-from hgs_core.base.storable_text import require_storable
-from jobs.queue.job_request import MAX_TITLE, one_line
+from jobs.queue.job_request import require_key, require_title
 
 __all__ = ["EditRequest"]
 
 
 @dataclass(frozen=True)
 class EditRequest:
-    """A published scene and the list of splats to leave out. The title defaults to the scene's."""
+    """A published scene and the edit to make. The title defaults to the scene's."""
 
     scene: str
-    splats: bytes  # a file of strangers: read in the job's first stage alone
+    document: bytes  # a file of docs/editing.md by strangers: read in the job's first stage alone
     title: str = ""
+    key: str = ""  # idempotency key: the same request with the same key is the same job
 
     def __post_init__(self) -> None:
-        """Check the title.
+        """Check the title and the key.
 
         Raises:
-            InputError: it is too long or holds control characters.
+            InputError: the title is too long or holds control characters, or the key is malformed.
         """
-        require_storable("title", self.title, MAX_TITLE)
-        if one_line(self.title) != self.title:
-            raise InputError.of_field("title", f"{self.title!a} holds control characters", "give one line of text")
+        require_title(self.title)
+        require_key(self.key)
+
+    @property
+    def digest(self) -> str:
+        """A hash of all that is asked for, but the key; no training has it."""
+        asked = ["edit", self.scene, hashlib.sha256(self.document).hexdigest(), self.title]
+        return hashlib.sha256(json.dumps(asked).encode()).hexdigest()

@@ -22,7 +22,16 @@ from jobs.webhooks.webhook_rules import WebhookRules
 if TYPE_CHECKING:
     from hgs_core.runs.run_config import RunConfig
 
-__all__ = ["MAX_PATH", "MAX_TIME_LIMIT", "MAX_TITLE", "JobRequest", "one_line", "readable_id"]
+__all__ = [
+    "MAX_PATH",
+    "MAX_TIME_LIMIT",
+    "MAX_TITLE",
+    "JobRequest",
+    "one_line",
+    "readable_id",
+    "require_key",
+    "require_title",
+]
 
 MAX_TITLE = 200  # characters
 MAX_PATH = 4096  # characters, as Linux
@@ -51,9 +60,7 @@ class JobRequest:
             InputError: the title is too long or holds control characters, a path is no text, a label or the key is
                 malformed, a number is out of its range, or the webhook is not allowed.
         """
-        require_storable("title", self.title, MAX_TITLE)
-        if one_line(self.title) != self.title:
-            raise InputError.of_field("title", f"{self.title!a} holds control characters", "give one line of text")
+        require_title(self.title)
         for name, path in (("capture", str(self.capture)), *self.given.to_json().items()):
             require_storable(name, path, MAX_PATH)
         object.__setattr__(self, "labels", checked_labels(self.labels))
@@ -67,10 +74,7 @@ class JobRequest:
             )
         if self.webhook:
             WebhookRules.configured().checked(self.webhook)
-        if self.key and not _KEY.fullmatch(self.key):
-            raise InputError.of_field(
-                "key", f"{self.key[:80]!a} is no idempotency key", "give 1 to 255 visible ASCII characters"
-            )
+        require_key(self.key)
 
     @property
     def digest(self) -> str:
@@ -90,6 +94,28 @@ class JobRequest:
         asked += [given["audio"]] if "audio" in given else []
         asked += [f"{name} {given[name]}" for name in ("depth", "mesh") if name in given]
         return hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()
+
+
+def require_title(title: str) -> None:
+    """Reject a title that no list of jobs can show.
+
+    Raises:
+        InputError: it is too long or holds control characters.
+    """
+    require_storable("title", title, MAX_TITLE)
+    if one_line(title) != title:
+        raise InputError.of_field("title", f"{title!a} holds control characters", "give one line of text")
+
+
+def require_key(key: str) -> None:
+    """Reject a malformed idempotency key; "" is none.
+
+    Raises:
+        InputError: it is too long, or holds spaces or other than ASCII characters.
+    """
+    if key and not _KEY.fullmatch(key):
+        problem = f"{key[:80]!a} is no idempotency key"
+        raise InputError.of_field("key", problem, "give 1 to 255 visible ASCII characters")
 
 
 def one_line(text: str) -> str:

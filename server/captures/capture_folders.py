@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Self
+from typing import Any, Self
 
 from hgs_core.base.errors import InputError
 from server.http.problem_error import ProblemError
@@ -38,6 +38,16 @@ class CaptureFolders:
             samples = Path(__file__).resolve().parents[2] / "samples"
             listed = [home / "captures"] + ([samples] if samples.is_dir() else [])
         return cls(tuple(folder.expanduser().resolve() for folder in listed))
+
+    @classmethod
+    def from_json(cls, fields: Mapping[str, Any]) -> Self:
+        """Return the folders of a reader's request."""
+        uploaded = fields["uploaded"]
+        return cls(tuple(map(Path, fields["folders"])), uploaded and Path(uploaded))
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the plain form, for a reader."""
+        return {"folders": [str(one) for one in self.folders], "uploaded": self.uploaded and str(self.uploaded)}
 
     @property
     def readable(self) -> tuple[Path, ...]:

@@ -87,15 +87,11 @@ class CaptureList:
 
     def _found(self) -> dict[str, Any]:
         try:
-            (found,) = self._readers.read("find", self._request(), _FIND_SECONDS)
+            (found,) = self._readers.read("find", self.folders.to_json(), _FIND_SECONDS)
         except ReaderEndedError as error:
             detail = f"the capture folders cannot be read ({error.reason}); try again later"
             raise ProblemError(503, "captures-unavailable", detail, headers={"Retry-After": "30"}) from error
         return found
-
-    def _request(self) -> dict[str, Any]:
-        uploaded = self.folders.uploaded
-        return {"folders": [str(one) for one in self.folders.folders], "uploaded": uploaded and str(uploaded)}
 
     def _of(self, found: dict[str, Any]) -> dict[str, Any] | None:
         """Return the description of a capture, if it is still current."""
@@ -129,7 +125,7 @@ class CaptureList:
     def _describe(self, wanted: list[dict[str, Any]]) -> None:
         """Describe captures; restart the process after one that ended it."""
         while wanted:
-            request = self._request() | {"captures": [one["capture"] for one in wanted], "seconds": _SECONDS}
+            request = self.folders.to_json() | {"captures": [one["capture"] for one in wanted], "seconds": _SECONDS}
             fresh = True
             try:
                 for answer in self._readers.read("describe", request, _WALL_SECONDS):

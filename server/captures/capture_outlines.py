@@ -1,7 +1,8 @@
 """Capture folders below the readable roots, with their cameras and lengths from lists and headers.
 
 For the limited process of `server.captures.capture_reader` alone: the API's own process opens no file of a capture.
-A scan is bounded in folders, files and depth. Of a capture one picture is decoded.
+A scan is bounded in folders, files and depth. Of a capture one picture is decoded, of one that is chosen one of each
+camera.
 """
 
 from __future__ import annotations
@@ -18,17 +19,18 @@ from hgs_core.base.storable_text import is_storable
 from hgs_core.capture.cameras.camera_formats import calibration
 from hgs_core.capture.cameras.rig import CameraFormat
 from hgs_core.capture.footage import FEWEST_VIDEOS, is_video, natural_order
-from hgs_core.capture.load import outline
+from hgs_core.capture.load import Outline, outline
 from hgs_core.capture.open import open_capture
 from hgs_core.capture.pictures.video import announced_length
 from server.captures.capture_folders import CaptureFolders
-from server.captures.capture_preview import capture_preview
+from server.captures.capture_preview import camera_picture, capture_preview
 
-__all__ = ["FoundCapture", "describe_capture", "find_captures", "require_bounded_tables"]
+__all__ = ["FoundCapture", "camera_pictures", "describe_capture", "find_captures", "require_bounded_tables"]
 
 _VIDEOS_ALONE = "videos without poses"
 _MOST_CAPTURES = 300
 _DEEPEST = 3  # levels below a readable root
+_MOST_PICTURES = 256  # cameras
 _MOST_FOLDERS = 2000  # folders per scan
 _MOST_FILES = 20_000  # files per folder; the names alone reveal a capture
 _LARGEST_TABLE = 64 << 20  # largest file that is parsed as a whole, bytes
@@ -87,20 +89,44 @@ def describe_capture(path: Path, folders: CaptureFolders) -> dict[str, Any]:
         InputError: it cannot be read, or is not a capture.
         ProblemError: one of its links leads outside the folders.
     """
+    layout, told = _outline(path, folders)
+    return {
+        "layout": layout,
+        "cameras": list(told.cameras),
+        "frames": told.frames,
+        "seconds": told.seconds,
+        "problem": None,
+        **capture_preview(told.firsts[0], len(told.cameras), told.frames, told.seconds),
+    }
+
+
+def camera_pictures(path: Path, folders: CaptureFolders) -> Iterator[dict[str, Any]]:
+    """Yield `camera` and `picture` of the cameras of a capture, at most of the first few hundred.
+
+    Raises:
+        InputError: as `describe_capture`.
+        ProblemError: likewise.
+    """
+    _, told = _outline(path, folders)
+    for camera, file in zip(told.cameras[:_MOST_PICTURES], told.firsts, strict=False):
+        yield {"camera": camera, "picture": camera_picture(file)}
+
+
+def _outline(path: Path, folders: CaptureFolders) -> tuple[str, Outline]:
+    """Return the layout and the outline of a capture, after a check of its links."""
     folders.require_inner_links(path)  # must come first
     require_bounded_tables(path)
     content = _content(path, _look(path) or _Folder({}, {})) or _Content()
     if content.cameras is not None:
         camera_format, file = content.cameras
-        told = outline(path, camera_format, file)
-        return _description(camera_format.name, list(told.cameras), told.first, told.frames, told.seconds)
+        return camera_format.name, outline(path, camera_format, file)
     if not content.videos:
         open_capture(path)
         raise InputError(path, "is not a capture")  # unless it has just become one
     frames, rate = announced_length(path / content.videos[0])
     seconds = frames / rate if frames is not None and rate is not None else None
-    first = path / content.videos[0]
-    return _description(_VIDEOS_ALONE, [Path(name).stem for name in content.videos], first, frames, seconds)
+    videos = [path / name for name in content.videos]
+    return _VIDEOS_ALONE, Outline(tuple(one.stem for one in videos), tuple(videos), frames, seconds)
 
 
 def require_bounded_tables(capture: Path) -> None:
@@ -122,13 +148,6 @@ def require_bounded_tables(capture: Path) -> None:
                 )
         if here is not None and depth < _TABLE_FOLDERS:
             waiting += [(folder / name, depth + 1) for name in here.folders]
-
-
-def _description(
-    layout: str, cameras: list[str], first: Path, frames: int | None, seconds: float | None
-) -> dict[str, Any]:
-    told = {"layout": layout, "cameras": cameras, "frames": frames, "seconds": seconds, "problem": None}
-    return told | capture_preview(first, len(cameras), frames, seconds)
 
 
 def _candidates(folders: CaptureFolders) -> Iterator[FoundCapture | None]:

@@ -1,4 +1,4 @@
-"""The picture of a capture and the prices of its trainings, for the form of a new scene.
+"""The pictures of a capture and the prices of its trainings, for the form of a new scene.
 
 For the limited process of `server.captures.capture_reader` alone.
 """
@@ -18,7 +18,7 @@ from hgs_core.runs.run_config import PRESETS, RunConfig
 from hgs_core.runs.training_costs import scene_bytes, training_need
 from hgs_core.runs.training_size import TrainingSize
 
-__all__ = ["capture_preview", "training_prices"]
+__all__ = ["camera_picture", "capture_preview", "training_prices"]
 
 _MOST_FRAMES = 1 << 20  # frames of a camera, ten hours; a header that announces more is wrong
 _PICTURE_SIZE = (192, 144)  # pixels at most
@@ -42,10 +42,22 @@ def capture_preview(first: Path, cameras: int, frames: int | None, seconds: floa
     prices = None
     if frames is not None and seconds is not None and _counts(frames, seconds):
         prices = training_prices(cameras, frames, seconds, pixels)
+    return {"picture": _small(picture), "presets": prices}
+
+
+def camera_picture(file: Path) -> str | None:
+    """Return the first picture of a camera as a data URI, or null where it cannot be decoded."""
+    try:
+        return _small(Image.fromarray(first_picture(file)))
+    except InputError:
+        return None
+
+
+def _small(picture: Image.Image) -> str:
     picture.thumbnail(_PICTURE_SIZE)
     data = io.BytesIO()
     picture.save(data, "JPEG", quality=_PICTURE_QUALITY)
-    return {"picture": f"data:image/jpeg;base64,{base64.b64encode(data.getvalue()).decode()}", "presets": prices}
+    return f"data:image/jpeg;base64,{base64.b64encode(data.getvalue()).decode()}"
 
 
 def _counts(frames: int, seconds: float) -> bool:

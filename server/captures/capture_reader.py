@@ -7,8 +7,8 @@ It communicates with the server as follows:
 - stdout: lines of JSON, the answers;
 - the file descriptor NOTE: the path of the file opened last, so that the server can name it if it ends the process.
 
-The operations are `find` (list the captures), `describe` (read their lists and headers) and `create` (the
-start of a run: all checks of a capture before there is a job).
+The operations are `find` (list the captures), `describe` (read their lists and headers), `pictures` (of the cameras of
+one) and `create` (the start of a run: all checks of a capture before there is a job).
 """
 
 from __future__ import annotations
@@ -87,13 +87,13 @@ def _places(operation: str, request: dict[str, Any]) -> tuple[list[Path], list[P
         given = map(Path, GivenFiles.from_json(request).to_json().values())
         folders = Path(request["capture"]), *(path for path in given if path.is_absolute())  # a sound may be a word
         return [place for folder in folders for place in with_links(folder)], [Path(request["run"])]
-    return list(_folders(request).readable), []
+    return list(CaptureFolders.from_json(request).readable), []
 
 
 def _find(request: dict[str, Any], home: Home) -> Iterator[dict[str, Any]]:
     from server.captures.capture_outlines import find_captures
 
-    found, complete = find_captures(_folders(request))
+    found, complete = find_captures(CaptureFolders.from_json(request))
     captures = [
         {
             "name": one.name,
@@ -110,10 +110,21 @@ def _find(request: dict[str, Any], home: Home) -> Iterator[dict[str, Any]]:
 def _describe(request: dict[str, Any], home: Home) -> Iterator[dict[str, Any]]:
     from server.captures.capture_outlines import describe_capture
 
-    folders = _folders(request)
+    folders = CaptureFolders.from_json(request)
     for capture in request["captures"]:
         _limit_processor(request["seconds"])
         yield _told(lambda path=Path(capture): describe_capture(path, folders))  # type: ignore[misc]
+
+
+def _pictures(request: dict[str, Any], home: Home) -> Iterator[dict[str, Any]]:
+    from server.captures.capture_outlines import camera_pictures
+
+    _limit_processor(request["seconds"])
+    pictures = camera_pictures(Path(request["capture"]), CaptureFolders.from_json(request))
+    while (answer := _told(lambda: next(pictures, {}))).get("found") != {}:
+        yield answer
+        if "found" not in answer:
+            return
 
 
 def _create(request: dict[str, Any], home: Home) -> Iterator[dict[str, Any]]:
@@ -135,13 +146,9 @@ def _create(request: dict[str, Any], home: Home) -> Iterator[dict[str, Any]]:
 _OPERATIONS: dict[str, Callable[[dict[str, Any], Home], Iterator[dict[str, Any]]]] = {
     "find": _find,
     "describe": _describe,
+    "pictures": _pictures,
     "create": _create,
 }
-
-
-def _folders(request: dict[str, Any]) -> CaptureFolders:
-    uploaded = request["uploaded"]
-    return CaptureFolders(tuple(map(Path, request["folders"])), uploaded and Path(uploaded))
 
 
 def _told(read: Callable[[], dict[str, Any]]) -> dict[str, Any]:

@@ -14,6 +14,7 @@ from hgs_core.base.errors import InputError
 from server.captures.check_requests import CaptureCheckRun
 from server.http.problems import ProblemError
 from server.http.request_body import read_json
+from server.routes.captures import locate_capture
 from server.service import Service, ServiceDep
 
 __all__ = ["router"]
@@ -41,7 +42,7 @@ async def start(request: Request, service: ServiceDep) -> Response:
 @router.get("")
 async def get_check(capture: str, service: ServiceDep) -> dict[str, Any]:
     """Describe the last check of a capture."""
-    check = service.capture_checks.get(await run_in_threadpool(_locate, service, capture))
+    check = service.capture_checks.get(await run_in_threadpool(locate_capture, service, capture))
     if check is None:
         raise ProblemError(404, "check-not-found", f"capture {capture[:80]!r}: has not been checked yet")
     return _told(service, check)
@@ -55,16 +56,9 @@ def _told(service: Service, check: CaptureCheckRun) -> dict[str, Any]:
 
 def _locate_inside(service: Service, capture: str) -> Path:
     """Return a capture, after a check that its links stay within the readable folders."""
-    found = _locate(service, capture)
+    found = locate_capture(service, capture)
     try:
         service.captures.require_inner_links(found)
     except InputError as error:
         raise ProblemError(422, "capture-invalid", str(error), field="capture") from error
     return found
-
-
-def _locate(service: Service, capture: str) -> Path:
-    try:
-        return service.captures.locate(capture)
-    except InputError as error:
-        raise ProblemError(422, "capture-invalid", service.captures.shown(str(error)), field="capture") from error

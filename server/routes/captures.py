@@ -1,13 +1,20 @@
-"""`/v1/captures`: captures available for jobs."""
+"""`/v1/captures`: captures available for jobs, and pictures of their cameras."""
 
 from __future__ import annotations
 
+from pathlib import Path
+from typing import Any
+
 from fastapi import APIRouter, Request, Response
+from starlette.concurrency import run_in_threadpool
 
+from hgs_core.base.errors import InputError
 from server.http.conditional import respond_json
-from server.service import ServiceDep
+from server.http.encodable import encodable
+from server.http.problem_error import ProblemError
+from server.service import Service, ServiceDep
 
-__all__ = ["router"]
+__all__ = ["locate_capture", "router"]
 
 router = APIRouter(prefix="/v1/captures")
 
@@ -16,3 +23,29 @@ router = APIRouter(prefix="/v1/captures")
 async def captures(request: Request, service: ServiceDep) -> Response:
     """List the captures in the folders that jobs may read."""
     return respond_json(request, await service.capture_list.describe())
+
+
+@router.get("/pictures")
+async def pictures(capture: str, service: ServiceDep) -> dict[str, Any]:
+    """Show the first picture of each camera of a capture."""
+    try:
+        found = await service.camera_pictures.of(await run_in_threadpool(locate_capture, service, capture))
+    except InputError as error:
+        raise _refused(service, error) from error
+    return {"pictures": encodable(found)}
+
+
+def locate_capture(service: Service, capture: str) -> Path:
+    """Return the path of a capture that a client names.
+
+    Raises:
+        ProblemError: 403 or 422, it may not be read, or there is none.
+    """
+    try:
+        return service.captures.locate(capture)
+    except InputError as error:
+        raise _refused(service, error) from error
+
+
+def _refused(service: Service, error: InputError) -> ProblemError:
+    return ProblemError(422, "capture-invalid", service.captures.shown(str(error)), field="capture")

@@ -16,7 +16,6 @@ from hgs_core.runs.config_names import by_stage
 from hgs_core.runs.given_files import GivenFiles
 from hgs_core.runs.run_config import RunConfig
 from hgs_core.runs.sound_choice import NO_SOUND, OWN_SOUND, camera_of_sound
-from jobs.queue.client import KeyReusedError
 from jobs.queue.job_request import MAX_TITLE, JobRequest
 from jobs.records.job import Job
 from jobs.records.job_filter import MAX_LABELS
@@ -24,6 +23,7 @@ from server.captures.pending_submissions import PendingSubmission
 from server.http.problem_error import ProblemError
 from server.http.request_body import read_json
 from server.job_views.job_description import describe_job
+from server.routes.idempotency import IDEMPOTENCY_KEY, idempotency_key, refusing_reused_keys
 from server.service import Service, ServiceDep
 
 __all__ = ["router"]
@@ -32,7 +32,7 @@ router = APIRouter(prefix="/v1")
 
 _PATIENCE = 5.0  # seconds that a response waits for a running check
 _CODES = {"capture": "capture-invalid", "config": "config-invalid", "preset": "config-invalid"}
-_PLACES = {"config.capture.hold_out": "hold_out", "key": "Idempotency-Key"}  # places outside the config and the body
+_PLACES = {"config.capture.hold_out": "hold_out", "key": IDEMPOTENCY_KEY}  # places outside the config and the body
 
 
 class Submission(BaseModel):
@@ -64,7 +64,7 @@ async def submit(request: Request, service: ServiceDep) -> Response:
     service.origins.require_same_site(request)
     service.submissions.require_room(service.key_of(request))
     submission = await read_json(request, Submission, bounded="config")
-    key = request.headers.get("Idempotency-Key", "")
+    key = idempotency_key(request)
     asked = await run_in_threadpool(_asked, service, submission, key)
     wish = f"{key} {asked.digest}" if key else ""
     work = functools.partial(_submit, service, asked)
@@ -123,9 +123,8 @@ def _submit(service: Service, asked: JobRequest) -> Job:
     """Check the capture, and create its job."""
     try:
         service.captures.require_inner_links(asked.capture)
-        return service.known_job(service.jobs.submit(asked))
-    except KeyReusedError as error:
-        raise ProblemError(422, "idempotency-key-reused", str(error), field="Idempotency-Key") from error
+        with refusing_reused_keys():
+            return service.known_job(service.jobs.submit(asked))
     except InputError as error:
         raise _refused(service, error) from error
 

@@ -87,7 +87,7 @@ def test_a_bad_list_of_splats_fails_the_stage_that_reads_it(
     job = make_edit_job(home, EditRequest("studio", b'{"format": "hgs-splats", "version": 9}'))
     status, messages, _ = finish(start("initialise", home.run(job.id)))
     assert status == 2
-    assert str(messages[-1]["error"]).endswith("splats.json: version: is 9, not 1; give a list of splats")
+    assert str(messages[-1]["error"]).endswith("edit.json: version: is 9, not 1; give a list of splats or a crop")
 
 
 def test_progress_comes_as_json_lines(start: Callable[[str, Path], Stage], run: Path) -> None:

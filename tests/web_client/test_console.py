@@ -116,9 +116,12 @@ def test_a_scene_is_made_from_the_form_and_followed_to_its_end(console: Console,
     page.get_by_role("link", name="New scene").click()
     page.get_by_text("shows/stage").wait_for()
     page.get_by_role("radio", name=re.compile("^studio")).check()
+    assert page.get_by_role("textbox", name="Name").count() == 0  # not visible
+    page.get_by_text("More settings").click()
     page.get_by_role("textbox", name="Name").fill("My studio")
     page.get_by_role("radio", name=re.compile("^Preview")).check()
-    page.get_by_text("Choose cameras").click()
+    for name in CAMERAS:
+        page.locator(".camera-card", has_text=name).locator("img").wait_for()
     page.get_by_role("checkbox", name="right").check()
     console.let_train("studio", 80)
     page.get_by_role("button", name="Start").click()
@@ -165,9 +168,10 @@ def test_what_the_server_refuses_stands_at_its_field(console: Console, page: Pag
     capture.get_by_text("the picture is unreadable; restore the file").wait_for()
 
     page.get_by_role("radio", name=re.compile("^park")).check()
-    page.get_by_text("Choose cameras").click()
+    page.get_by_text("More settings").click()
     for name in CAMERAS[:2]:
         page.get_by_role("checkbox", name=name).check()
+    page.get_by_text("More settings").click()  # closed
     page.get_by_role("button", name="Start").click()
     page.locator("fieldset[name=hold_out]").get_by_text("leaves 1 of 3 cameras to train on").wait_for()
     box = page.get_by_role("checkbox", name="left")

@@ -185,7 +185,7 @@ def test_no_long_name_widens_the_form(browser: Browser, site: Site, options: dic
     captures = [capture(LONG, cameras=[LONG, "b", "c"]), capture("b", problem=LONG)]
     answer = {"captures": captures, "folders": [], "complete": False}
     with answering(browser, site, "/new", {"captures": answer}, **options) as page:
-        page.get_by_text("Choose cameras").click()
+        page.get_by_text("More settings").click()
         page.get_by_role("checkbox").first.wait_for()
         assert width_of(page) == options["viewport"]["width"]
 
@@ -195,6 +195,12 @@ def test_no_long_name_widens_the_page_of_a_job(browser: Browser, site: Site, opt
     shown = RUNNING | {"title": LONG, "capture": f"/captures/{LONG}"}
     with job_page(browser, site, shown, {"picture": "1", "report": True, "scene": "a"}, **options) as page:
         assert width_of(page) == options["viewport"]["width"]
+
+
+def test_a_job_that_ended_without_a_picture_announces_none(browser: Browser, site: Site) -> None:
+    ended = RUNNING | {"state": "cancelled"}
+    with job_page(browser, site, ended, {"picture": None, "report": False, "scene": None}) as page:
+        page.locator(".job-picture").wait_for(state="hidden")
 
 
 def small_controls(page: Page) -> list[str]:
@@ -221,6 +227,8 @@ def test_controls_are_large_enough_for_fingers(browser: Browser, site: Site) -> 
     captures = {"captures": [capture("a"), capture("b")], "folders": [], "complete": True}
     with answering(browser, site, "/new", {"captures": captures}, **PHONE) as page:
         page.get_by_text("a", exact=True).tap()
+        page.get_by_text("More settings").tap()
+        assert page.get_by_role("checkbox").count() == 0  # 16 cameras are folded away
         page.get_by_text("Choose cameras").tap()
         assert small_controls(page) == []
     with job_page(browser, site, RUNNING, {"report": True, "scene": "a"}, **PHONE) as page:

@@ -1,15 +1,18 @@
-"""The box drawn around the part to keep, and the command line that keeps it."""
+"""The box drawn around the part to keep, and the edit that keeps it."""
 
 from __future__ import annotations
 
 import argparse
+import json
 import re
 import shlex
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 
+from hgs_core.edit.crop_file import CropFile
 from hgs_core.edit.regions import Box, box_of
 from server.cli import edit
 from tests.web_client.test_view_page import PHONE, viewing
@@ -112,12 +115,34 @@ def test_numbers_can_be_typed_and_everything_else_is_in_the_command(browser: Bro
         page.get_by_label("Height").fill("-1")
         page.get_by_label("Height").press("Enter")
         assert page.get_by_label("Height").input_value() == "1.25"
-        page.context.grant_permissions(["clipboard-read", "clipboard-write"])
-        page.get_by_role("button", name="Copy the command").click()
-        page.get_by_role("button", name="Copied").wait_for()
-        assert page.evaluate("() => navigator.clipboard.readText()") == page.locator(".crop-command").text_content()
         page.get_by_role("button", name="Reset").click()
         assert box(page).size[1] != 1.25
+
+
+def test_apply_asks_for_one_job_that_keeps_the_box(browser: Browser, site: Site) -> None:
+    with viewing(browser, site, viewport=DESKTOP) as page:
+        page.keyboard.press("i")  # repeat from here
+        page.keyboard.press("v")
+        page.get_by_role("button", name="Keep outside").click()
+        apply = page.get_by_role("button", name="Apply")
+        page.route("**/edits", lambda route: route.abort())
+        with page.expect_request("**/edits") as lost:
+            apply.click()
+        page.get_by_text("The server cannot be reached.").wait_for()
+        page.unroute("**/edits")
+        with page.expect_response("**/edits") as answer:
+            apply.click()
+        job, request = answer.value.json(), answer.value.request
+        page.get_by_role("link", name="Job").wait_for()
+        assert apply.is_disabled()
+        assert request.headers["idempotency-key"] == lost.value.headers["idempotency-key"]
+        page.request.post(f"{site.address}/v1/jobs/{job['id']}/cancel")
+        page.get_by_text("Cancelled").wait_for()
+        assert apply.is_enabled()
+        sent = CropFile.of(Path("edit.json"), json.loads(request.post_data or ""))
+        np.testing.assert_allclose(sent.box.center, box(page).center, rtol=1e-4)
+        assert sent.inverse is True
+        assert sent.trim is not None
 
 
 def test_the_box_stays_in_the_world_when_the_camera_turns(browser: Browser, site: Site) -> None:

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from hgs_core.base.errors import InputError
-from hgs_core.edit import splat_list
 from hgs_core.edit.splat_list import SplatList, drop_listed
 from tests.hgs_core.edit.scenes import moving, splats
 
@@ -79,17 +78,6 @@ def test_what_is_no_list_is_refused(tmp_path: Path, text: str) -> None:
     file.write_bytes(text.encode("latin-1"))
     with pytest.raises(InputError, match=r"list\.json: (is not JSON|format: is null)"):
         SplatList.load(file)
-
-
-def test_a_missing_file_is_named(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"list\.json: cannot be read \(No such file or directory\)"):
-        SplatList.load(tmp_path / "list.json")
-
-
-def test_a_file_that_is_too_large_is_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(splat_list, "MAX_BYTES", 100)
-    with pytest.raises(InputError, match=r"list\.json: has \d+ bytes; give at most 100; edit in several steps"):
-        listing(tmp_path, {A: [[0, 0]]})
 
 
 def test_all_splats_may_go(tmp_path: Path) -> None:

@@ -51,6 +51,16 @@ def test_the_stages_of_a_job_make_the_edited_scene(run: Path) -> None:
     assert sorted(path.name for path in source_of_edit(run, "studio").iterdir()) == ["manifest.json"]
 
 
+def test_a_crop_keeps_what_is_inside_of_its_box(run: Path) -> None:
+    before = decode_scene(source_of_edit(run, "studio"))
+    middle = float(np.median(before.static.means[:, 0]))
+    crop = {"format": "hgs-crop", "version": 1, "box": [middle - 50, 0, 0, 100, 100, 100]}
+    ask_edit(run, "studio", json.dumps(crop).encode())
+    stages.initialise(run, silent)
+    after = trained_scene(RunFolder(run))
+    np.testing.assert_array_equal(after.static.means, before.static.means[before.static.means[:, 0] <= middle])
+
+
 def test_an_edit_that_was_made_is_kept(run: Path) -> None:
     ask_edit(run, "studio", listed(run, [[0, 0]]))
     make_edit(run, silent)
@@ -70,7 +80,7 @@ def test_an_edit_that_was_interrupted_begins_again(run: Path) -> None:
 
 def test_a_list_that_is_none_is_refused_by_the_stage(run: Path) -> None:
     ask_edit(run, "studio", b"[]")
-    with pytest.raises(InputError, match=r"splats\.json: format: is null"):
+    with pytest.raises(InputError, match=r"edit\.json: format: is null"):
         stages.initialise(run, silent)
 
 

@@ -176,6 +176,30 @@ def test_the_same_key_at_the_same_moment_is_one_job(home: Home, tmp_path: Path) 
     assert [path.name for path in home.runs.iterdir()] == [*ids]
 
 
+def test_the_same_key_is_the_same_edit(client: JobClient, scene: Path) -> None:
+    open_store(client.home).put_scene(scene, "studio")
+    first = client.edit(EditRequest("studio", b"a list", key="k-1"))
+    assert client.edit(EditRequest("studio", b"a list", key="k-1")) == first
+    assert client.edit(EditRequest("studio", b"a list")) != first
+    assert len(list(client.home.runs.iterdir())) == 2
+
+
+def test_the_same_edit_at_the_same_moment_leaves_one_run(client: JobClient, scene: Path) -> None:
+    open_store(client.home).put_scene(scene, "studio")
+    with ThreadPoolExecutor(8) as pool:
+        ids = set(pool.map(client.edit, [EditRequest("studio", b"a list", key="k-1")] * 8))
+    assert [path.name for path in client.home.runs.iterdir()] == [*ids]
+
+
+def test_a_key_of_another_edit_or_of_a_training_is_refused(client: JobClient, scene: Path, tmp_path: Path) -> None:
+    open_store(client.home).put_scene(scene, "studio")
+    client.edit(EditRequest("studio", b"a list", key="k-1"))
+    client.submit(ask(tmp_path, key="k-2"))
+    for key in ("k-1", "k-2"):
+        with pytest.raises(KeyReusedError, match=key):
+            client.edit(EditRequest("studio", b"another list", key=key))
+
+
 def test_a_deleted_job_is_gone_with_its_files_and_workflows(client: JobClient, submit: Callable[..., str]) -> None:
     gone, stays = submit(), submit()
     client.cancel(gone)

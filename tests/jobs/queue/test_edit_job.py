@@ -21,7 +21,7 @@ def test_the_run_of_an_edit_has_a_copy_of_the_scene(home: Home, scene: Path) -> 
     run = home.run(job.id)
     assert job.capture == str(run / "source" / "studio")
     assert load_manifest(Path(job.capture)).title == "The studio"
-    assert (run / "splats.json").read_bytes() == b"a list"
+    assert (run / "edit.json").read_bytes() == b"a list"
     assert RunFolder(run).read_spec().edited
     assert make_edit_job(home, EditRequest("studio", b"", title="Clean")).title == "Clean"
 

@@ -13,7 +13,12 @@ import pytest
 from hgs_core.base.errors import InputError
 from server.captures import capture_outlines as module
 from server.captures.capture_folders import CaptureFolders
-from server.captures.capture_outlines import describe_capture, find_captures, require_bounded_tables
+from server.captures.capture_outlines import (
+    camera_pictures,
+    describe_capture,
+    find_captures,
+    require_bounded_tables,
+)
 from server.http.problem_error import ProblemError
 from tests.conftest import REPOSITORY
 
@@ -209,3 +214,14 @@ def test_a_capture_with_a_link_that_leads_out_is_not_opened(
     (root / "a" / "transforms.json").symlink_to(secret)
     with pytest.raises(ProblemError, match=r"'transforms.json' is a link that leads outside"):
         describe_capture(root / "a", folders)
+
+
+def test_each_camera_has_a_picture_of_its_own(
+    folders: CaptureFolders, root: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shutil.copytree(REPOSITORY / "samples" / "studio", root / "studio")
+    monkeypatch.setattr(module, "_MOST_PICTURES", 3)
+    pictures = list(camera_pictures(root / "studio", folders))
+    assert [one["camera"] for one in pictures] == ["cam00", "cam01", "cam02"]
+    assert len({one["picture"] for one in pictures}) == 3
+    assert pictures[0]["picture"] == describe_capture(root / "studio", folders)["picture"]

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from server.captures.capture_preview import capture_preview, training_prices
+from server.captures.capture_preview import camera_picture, capture_preview, training_prices
 
 FORM = "data:image/jpeg;base64,"
 
@@ -27,6 +27,12 @@ def test_the_picture_is_a_small_one_of_the_first_camera(first: Path) -> None:
     with Image.open(io.BytesIO(base64.b64decode(picture.removeprefix(FORM)))) as shown:
         assert shown.size == (192, 96)
         assert np.allclose(np.asarray(shown).mean((0, 1)), (200, 40, 40), atol=4)
+
+
+def test_a_camera_has_the_same_picture_and_a_damaged_one_none(first: Path) -> None:
+    assert camera_picture(first) == capture_preview(first, 4, 30, 1.0)["picture"]
+    first.write_bytes(b"\x89PNG")
+    assert camera_picture(first) is None
 
 
 def test_a_damaged_picture_leaves_both_unknown(tmp_path: Path) -> None:

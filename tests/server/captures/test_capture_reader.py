@@ -180,3 +180,13 @@ def test_the_file_that_a_library_opens_is_known(home: Home, tmp_path: Path) -> N
     (told,) = describe(few, capture)
     with pytest.raises(InputError, match=r"cam0.mp4: "):
         answered(told, capture)
+
+
+def test_pictures_of_cameras_come_one_by_one_and_a_refusal_is_the_last(home: Home, tmp_path: Path) -> None:
+    write_capture(tmp_path / "capture", frames=2)
+    request = {"folders": [str(tmp_path)], "uploaded": None, "capture": str(tmp_path / "capture"), "seconds": 60}
+    told = list(CaptureReaders(home).read("pictures", request, 600))
+    assert len(told) > 2
+    assert all(one["found"]["picture"].startswith("data:image/jpeg;base64,") for one in told)
+    (refused,) = CaptureReaders(home).read("pictures", request | {"capture": str(tmp_path)}, 600)
+    assert "refused" in refused

@@ -5,14 +5,6 @@ import { CLOSE } from "../dom/icons";
 
 export type Hand = "look" | "brush" | "box";
 
-/** An edit that was asked for, in one line; `link` leads to its job or its scene. */
-export interface EditCourse {
-  readonly text: string;
-  readonly link?: { readonly name: string; readonly address: string };
-  /** Whether it goes on. */
-  readonly busy: boolean;
-}
-
 export interface CleanState {
   readonly hand: Hand;
   readonly selected: number;
@@ -22,7 +14,6 @@ export interface CleanState {
   readonly canRedo: boolean;
   /** Whether splats are being looked for. */
   readonly busy: boolean;
-  readonly course: EditCourse | null;
 }
 
 export interface CleanPanelEvents {
@@ -35,7 +26,6 @@ export interface CleanPanelEvents {
   remove(): void;
   undo(): void;
   redo(): void;
-  apply(): void;
   save(): void;
   close(): void;
 }
@@ -57,7 +47,6 @@ export class CleanPanel {
   readonly #size = element("input", { type: "range", min: 4, max: 160, value: 32, "aria-label": "Brush size" });
   readonly #sizeRow = element("label", { class: "clean-row" }, element("span", {}, "Brush size"), this.#size);
   readonly #counts = element("p", { class: "clean-counts", role: "status" });
-  readonly #course = element("p", { class: "clean-course", role: "status", hidden: true });
   readonly #middle: HTMLButtonElement;
   readonly #deselect: HTMLButtonElement;
   readonly #hide: HTMLButtonElement;
@@ -65,10 +54,10 @@ export class CleanPanel {
   readonly #remove: HTMLButtonElement;
   readonly #undo: HTMLButtonElement;
   readonly #redo: HTMLButtonElement;
-  readonly #apply: HTMLButtonElement;
   readonly #save: HTMLButtonElement;
 
-  constructor(events: CleanPanelEvents) {
+  /** @param applied the button that applies the edit, and its course. */
+  constructor(events: CleanPanelEvents, applied: readonly HTMLElement[]) {
     const close = element("button", {
       type: "button",
       class: "round",
@@ -90,7 +79,6 @@ export class CleanPanel {
     this.#remove = button("Delete", () => events.remove(), "Delete");
     this.#undo = button("Undo", () => events.undo(), "Ctrl + Z");
     this.#redo = button("Redo", () => events.redo(), "Ctrl + Shift + Z");
-    this.#apply = element("button", { type: "button", class: "clean-apply", onclick: () => events.apply() }, "Apply");
     this.#save = button("Save the list", () => events.save(), "For hgs edit --splats");
     this.node = element(
       "section",
@@ -111,8 +99,7 @@ export class CleanPanel {
       this.#counts,
       element("div", { class: "clean-buttons" }, this.#middle, this.#deselect, this.#hide, this.#show),
       element("div", { class: "clean-buttons" }, this.#remove, this.#undo, this.#redo, this.#save),
-      this.#apply,
-      this.#course,
+      ...applied,
     );
   }
 
@@ -131,7 +118,7 @@ export class CleanPanel {
     return this.#size.valueAsNumber;
   }
 
-  show({ hand, selected, hidden, deleted, canUndo, canRedo, busy, course }: CleanState): void {
+  show({ hand, selected, hidden, deleted, canUndo, canRedo, busy }: CleanState): void {
     for (const [name, choice] of this.#hands) choice.setAttribute("aria-pressed", String(name === hand));
     this.#sizeRow.hidden = hand === "box";
     const parts = [
@@ -146,18 +133,5 @@ export class CleanPanel {
     this.#undo.disabled = !canUndo;
     this.#redo.disabled = !canRedo;
     this.#save.disabled = deleted === 0;
-    this.#apply.disabled = deleted === 0 || course?.busy === true;
-    this.#course.hidden = course === null;
-    if (course) this.#showCourse(course);
-  }
-
-  #showCourse({ text, link }: EditCourse): void {
-    const there = this.#course.querySelector("a");
-    if (this.#course.firstChild?.textContent === text && there?.getAttribute("href") === (link?.address ?? undefined))
-      return;
-    this.#course.replaceChildren(
-      element("span", {}, text),
-      ...(link ? [" ", element("a", { href: link.address }, link.name)] : []),
-    );
   }
 }

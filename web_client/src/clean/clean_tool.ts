@@ -1,6 +1,7 @@
 /** The cleaning tool: visible splats are selected, hidden and deleted; the result is a list for `hgs edit`. */
 
 import { resized } from "../camera/pinhole";
+import { EditApplication, type StartEdit } from "../dom/edit_application";
 import { element } from "../dom/element";
 import { adoptStyle } from "../dom/shadow_style";
 import toolCss from "../dom/tool_panel.css?inline";
@@ -8,14 +9,11 @@ import type { HgsPlayer } from "../player/hgs_player";
 import { strokeArea } from "./areas";
 import { ChunkLoader } from "./chunk_loader";
 import css from "./clean.css?inline";
-import { CleanPanel, type EditCourse, type Hand } from "./clean_panel";
+import { CleanPanel, type Hand } from "./clean_panel";
 import { HandStrokes } from "./hand_strokes";
 import { MarkedTextures } from "./marked_texels";
 import { type Area, seenSplats } from "./seen_splats";
 import { DELETED, HIDDEN, SELECTED, SplatMarks, splatList } from "./splat_marks";
-
-/** Start the edit of a list; `show` is called with its course. */
-export type StartEdit = (list: string, show: (course: EditCourse) => void) => void;
 
 /** The parts that live as long as one scene. */
 interface Session {
@@ -30,11 +28,11 @@ const FILE = "splats.json";
 export class CleanTool {
   readonly #panel: CleanPanel;
   readonly #strokes: HandStrokes;
+  readonly #application: EditApplication;
   #session: Session | null = null;
   #hand: Hand = "brush";
   #areas = 0; // areas that are not selected yet
   #last: Promise<void> = Promise.resolve(); // end of the last area's selection
-  #course: EditCourse | null = null;
 
   /**
    * Create the tool.
@@ -44,7 +42,7 @@ export class CleanTool {
   constructor(
     readonly player: HgsPlayer,
     readonly root: HTMLElement,
-    readonly startEdit: StartEdit,
+    startEdit: StartEdit,
   ) {
     for (const style of [toolCss, css]) adoptStyle(root.getRootNode() as ShadowRoot, style);
     const signal = player.disposed;
@@ -52,8 +50,9 @@ export class CleanTool {
       const marks = this.#session?.marks;
       marks?.change(marks.places(from), to);
     };
-    this.#panel = new CleanPanel({
-      hand: (hand) => {
+    this.#application = new EditApplication(startEdit, () => splatList(this.#session?.marks.deleted() ?? {}));
+    const events = {
+      hand: (hand: Hand) => {
         this.#hand = hand;
         this.#show();
       },
@@ -67,10 +66,10 @@ export class CleanTool {
       remove: change(SELECTED, deleted),
       undo: () => this.#session?.marks.undo(),
       redo: () => this.#session?.marks.redo(),
-      apply: () => this.#apply(),
       save: () => this.#save(),
       close: () => this.toggle(),
-    });
+    };
+    this.#panel = new CleanPanel(events, this.#application.nodes);
     this.#strokes = new HandStrokes(root, {
       hand: () => (this.active ? this.#hand : "look"),
       radius: () => this.#panel.radius,
@@ -111,11 +110,11 @@ export class CleanTool {
       (id) => loader.sizeOf(id),
       (ids) => {
         textures.update(ids);
-        if (!this.#course?.busy) this.#course = null;
+        this.#application.changed();
         this.#show();
       },
     );
-    const textures = new MarkedTextures(scene, loader, marks, ({ message }) => this.#fail(message));
+    const textures = new MarkedTextures(scene, loader, marks, ({ message }) => this.#application.say(message));
     return { loader, marks, textures };
   }
 
@@ -129,7 +128,8 @@ export class CleanTool {
   #forget(): void {
     this.#leave();
     this.#session?.loader.dispose();
-    this.#session = this.#course = null;
+    this.#session = null;
+    this.#application.forget();
   }
 
   /** Select the splats seen in an area, CSS pixels, or take them from the selection; one area after the other. */
@@ -151,26 +151,11 @@ export class CleanTool {
     this.#show();
     this.#last = this.#last
       .then(() => select(session))
-      .catch(({ message }: Error) => this.#fail(message))
+      .catch(({ message }: Error) => this.#application.say(message))
       .finally(() => {
         this.#areas--;
         this.#show();
       });
-  }
-
-  #fail(text: string): void {
-    this.#course = { text, busy: false };
-    this.#show();
-  }
-
-  #apply(): void {
-    const session = this.#session;
-    if (!session) return;
-    this.startEdit(splatList(session.marks.deleted()), (course) => {
-      if (this.#session !== session) return;
-      this.#course = course;
-      this.#show();
-    });
   }
 
   #save(): void {
@@ -193,8 +178,8 @@ export class CleanTool {
       canUndo: marks.canUndo,
       canRedo: marks.canRedo,
       busy: this.#areas > 0,
-      course: this.#course,
     });
+    this.#application.ready = marks.count(DELETED) > 0;
   }
 
   /** The keys of the tool, ahead of the player's. */

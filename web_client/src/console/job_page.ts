@@ -196,6 +196,7 @@ class JobView {
       const run = await getJobRun(this.job.id, this.signal);
       this.#run = run;
       this.#picture.show(run.picture);
+      this.#picture.node.hidden = run.picture === null && isFinal(this.job);
       this.#report.hidden = !run.report;
       this.#watch.hidden = run.scene === null;
       if (run.scene !== null) this.#watch.href = siteUrl(`view/${encodeURIComponent(run.scene)}`);

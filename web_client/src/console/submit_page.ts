@@ -5,6 +5,7 @@ import { element, setText } from "../dom/element";
 import { formatBytes, formatDuration } from "../dom/format";
 import { ApiError, type Capture, type CaptureList, listCaptures, submitJob, type TrainingPrice } from "../protocol/api";
 import { siteUrl } from "../protocol/http";
+import { CameraChoice } from "./camera_choice";
 import { CheckPanel } from "./check_panel";
 import { choices, chosenIn, type Field, FormField, fieldOf, reasonOf } from "./form_field";
 import { captureOf } from "./page_address";
@@ -14,7 +15,6 @@ import { UploadPanel } from "./upload_panel";
 
 const LONGEST_TITLE = 200; // characters, as in docs/rest.md
 const LEAST_CAMERAS = 2; // cameras that training needs
-const CHOOSE_CAMERAS = "Choose cameras";
 const HOURS_FROM = 120; // minutes
 const LOOK_AGAIN_MS = 2000; // ms between requests while the server checks captures
 
@@ -98,9 +98,8 @@ class SubmitForm {
     autocomplete: "off",
     "aria-label": "Name",
   });
-  readonly #cameras = element("div", { class: "cameras" });
-  readonly #chosenCameras = element("summary", {}, CHOOSE_CAMERAS);
-  readonly #folded = element("details", { class: "chosen-cameras" }, this.#chosenCameras, this.#cameras);
+  readonly #cameras = new CameraChoice();
+  readonly #more = element("details", { class: "more-settings" }, element("summary", {}, "More settings"));
   readonly #fields: Readonly<Record<Field, FormField>>;
   readonly #submit = element("button", { class: "button primary" }, "Start");
   readonly #check = new CheckPanel();
@@ -142,18 +141,19 @@ class SubmitForm {
       hold_out: new FormField(
         "hold_out",
         "Cameras to check the scene with",
-        [this.#folded],
+        [this.#cameras.node],
         "Training does not use their pictures. Unless you choose others, it is the middle camera of six or more.",
       ),
     };
     const { capture, title, preset, hold_out } = this.#fields;
+    this.#more.append(title.node, hold_out.node);
+    this.#more.addEventListener("toggle", () => this.#cameras.look());
     this.node = element(
       "form",
       { class: "form", novalidate: true },
       capture.node,
-      title.node,
       preset.node,
-      hold_out.node,
+      this.#more,
       element(
         "div",
         { class: "form-actions" },
@@ -164,9 +164,6 @@ class SubmitForm {
     this.#capture.node.addEventListener("change", ({ target }) => {
       if (target instanceof HTMLInputElement && target.name === "capture") this.#choose(false);
     });
-    this.#cameras.addEventListener("change", () =>
-      setText(this.#chosenCameras, this.#heldOut().hold_out?.join(", ") ?? CHOOSE_CAMERAS),
-    );
     this.node.addEventListener("submit", (event) => {
       event.preventDefault();
       void this.#send();
@@ -193,26 +190,14 @@ class SubmitForm {
     this.#check.show(chosen, checked);
     this.#fields.hold_out.node.hidden = !chosen || chosen.cameras.length <= LEAST_CAMERAS;
     this.#fields.hold_out.fault("");
-    this.#folded.open = false;
-    setText(this.#chosenCameras, CHOOSE_CAMERAS);
     for (const { value, note } of PRESETS)
       setText(this.#note(value), [note, priceWords(chosen?.presets?.[value])].filter(Boolean).join(" · "));
-    this.#cameras.replaceChildren(
-      ...(chosen?.cameras ?? []).map((name) =>
-        element("label", { class: "camera" }, element("input", { type: "checkbox", value: name }), name),
-      ),
-    );
+    this.#cameras.show(chosen);
   }
 
   /** The explanation of a preset. */
   #note(preset: string): HTMLElement {
     return this.#fields.preset.node.querySelector(`[value="${preset}"] + span small`) as HTMLElement;
-  }
-
-  /** Empty if no camera is selected: the server chooses then. */
-  #heldOut(): { hold_out?: string[] } {
-    const names = [...this.#cameras.querySelectorAll<HTMLInputElement>("input:checked")].map(({ value }) => value);
-    return names.length > 0 ? { hold_out: names } : {};
   }
 
   async #send(): Promise<void> {
@@ -221,13 +206,14 @@ class SubmitForm {
     const capture = chosenIn(this.#capture.node);
     if (capture === "") return this.#refuse("capture", "Choose a capture.");
     this.#submit.disabled = true;
+    const { heldOut } = this.#cameras;
     try {
       const job = await submitJob(
         {
           capture,
           title: this.#title.value.trim(),
           preset: chosenIn(this.#fields.preset.node),
-          ...this.#heldOut(),
+          ...(heldOut.length > 0 ? { hold_out: heldOut } : {}),
           ...(this.#check.trusted ? { config: { "capture.trust_poses": true } } : {}),
         },
         () => this.#submit.replaceChildren("Checking the capture …"),
@@ -243,7 +229,8 @@ class SubmitForm {
   }
 
   #refuse(name: Field, reason: string): void {
-    if (name === "hold_out") this.#folded.open = true;
+    if (name === "hold_out" || name === "title") this.#more.open = true;
+    if (name === "hold_out") this.#cameras.node.open = true;
     this.#fields[name].fault(reason);
     this.#fields[name].focus();
   }

@@ -9,7 +9,7 @@ import type { Quality } from "../renderer/fineness";
 import { floatPixels } from "../renderer/float_pixels";
 import type { Pixels } from "../renderer/shot";
 import { PlayerView } from "../ui/player_view";
-import type { PageTool, WholePage } from "../ui/player_view_options";
+import type { PageTools, WholePage } from "../ui/player_view_options";
 import { linkWithBookmarks, linkWithKeys, sharedLink } from "../ui/shared_view";
 import { parseViewParameters, type ViewParameters } from "./view_parameters";
 
@@ -43,9 +43,8 @@ export function showViewPage(root: HTMLElement, scene: string): void {
     reload: () => location.reload(),
     link: (shared) => sharedLink(location.href, shared),
     tools: {
-      crop: async (player, root) => new (await import("../crop/crop_tool")).CropTool(player, root),
       path,
-      clean: linked() ? undefined : (player, root) => cleaning(scene, player, root),
+      ...(linked() ? {} : editing(scene)),
     },
     keep: (bookmarks) => history.replaceState(null, "", linkWithBookmarks(location.href, bookmarks)),
   };
@@ -62,12 +61,14 @@ export function showViewPage(root: HTMLElement, scene: string): void {
 /** Whether the visitor came by a link, which opens a scene and nothing else. */
 const linked = (): boolean => new URLSearchParams(location.search).has("link");
 
-async function cleaning(scene: string, player: HgsPlayer, root: HTMLElement): Promise<PageTool> {
-  const [{ CleanTool }, { editStarter }] = await Promise.all([
-    import("../clean/clean_tool"),
-    import("./started_edit"), // rarely used
-  ]);
-  return new CleanTool(player, root, editStarter(scene, player.disposed));
+/** The tools that make a new scene of this one; they load when first used. */
+function editing(scene: string): Pick<PageTools, "crop" | "clean"> {
+  const starter = async (player: HgsPlayer) => (await import("./started_edit")).editStarter(scene, player.disposed);
+  return {
+    crop: async (player, root) => new (await import("../crop/crop_tool")).CropTool(player, root, await starter(player)),
+    clean: async (player, root) =>
+      new (await import("../clean/clean_tool")).CleanTool(player, root, await starter(player)),
+  };
 }
 
 type LoadKeyFrames = (player: HgsPlayer, root: HTMLElement) => Promise<KeyFrameTool>;

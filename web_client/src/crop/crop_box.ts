@@ -1,4 +1,4 @@
-/** An upright box in the world of a scene: its faces, its corners, and its arguments for `hgs edit`. */
+/** An upright box in the world of a scene: its faces, its corners, and its forms as an edit. */
 
 import {
   add,
@@ -135,7 +135,7 @@ export function quaternionOf({ axes }: CropBox): readonly [number, number, numbe
   return found.map((part) => part / size) as unknown as [number, number, number, number];
 }
 
-/** The arguments of `hgs edit`. */
+/** A requested crop. */
 export interface CropWish {
   readonly box: CropBox;
   /** Whether to keep the outside. */
@@ -152,4 +152,10 @@ export function commandFor({ box, inverse, trim }: CropWish): string {
   if (inverse) options.push("--inverse");
   if (trim) options.push(`--trim=${trim.map((time) => String(Number(time.toFixed(3)))).join(",")}`);
   return `hgs edit RUN --out NEW ${options.join(" ")}`;
+}
+
+/** The document of an edit that crops a scene (docs/editing.md). */
+export function documentFor({ box, inverse, trim }: CropWish): string {
+  const numbers = [...box.center, ...box.size, ...quaternionOf(box)];
+  return JSON.stringify({ format: "hgs-crop", version: 1, box: numbers, inverse, ...(trim && { trim }) });
 }

@@ -1,4 +1,4 @@
-/** The panel of the crop tool: the numbers of a box, the kept part, and the command line. */
+/** The panel of the crop tool: the kept part, the start of the edit, and the numbers of the box. */
 
 import { element, icon, setText } from "../dom/element";
 import { formatTime } from "../dom/format";
@@ -24,7 +24,6 @@ export class CropPanel {
   readonly #kept: readonly HTMLButtonElement[];
   readonly #command = element("code", { class: "crop-command", tabindex: 0 });
   readonly #trim = element("p", { class: "crop-note", hidden: true });
-  readonly #copy = element("button", { type: "button", class: "crop-copy" }, "Copy the command");
   readonly #numbers = element(
     "details",
     { class: "crop-numbers" },
@@ -35,7 +34,8 @@ export class CropPanel {
   );
   #box: CropBox | null = null;
 
-  constructor(events: CropPanelEvents) {
+  /** @param applied the button that applies the crop, and its course. */
+  constructor(events: CropPanelEvents, applied: readonly HTMLElement[]) {
     const close = element("button", {
       type: "button",
       class: "round",
@@ -52,7 +52,6 @@ export class CropPanel {
       ),
     );
     const reset = element("button", { type: "button", class: "crop-reset", onclick: () => events.reset() }, "Reset");
-    this.#copy.addEventListener("click", () => void this.#copyCommand());
     for (const [fields, name] of [
       [this.#size, "size"],
       [this.#center, "center"],
@@ -72,7 +71,7 @@ export class CropPanel {
       ),
       this.#numbers,
       this.#trim,
-      this.#copy,
+      ...applied,
     );
     this.node.addEventListener("keydown", (event) => {
       if (event.key === "Escape") events.close();
@@ -105,9 +104,7 @@ export class CropPanel {
       const [from, to] = wish.trim.map((time) => formatTime(time - start));
       setText(this.#trim, `Trimmed to the repeated part, ${from} to ${to}`);
     }
-    const command = commandFor(wish);
-    if (this.#command.textContent !== command) setText(this.#copy, "Copy the command");
-    setText(this.#command, command);
+    setText(this.#command, commandFor(wish));
   }
 
   #typed(name: "size" | "center", axis: number, input: HTMLInputElement, events: CropPanelEvents): void {
@@ -119,18 +116,6 @@ export class CropPanel {
       return;
     }
     events.changed({ ...box, [name]: box[name].map((given, i) => (i === axis ? value : given)) });
-  }
-
-  async #copyCommand(): Promise<void> {
-    try {
-      await navigator.clipboard.writeText(this.#command.textContent ?? "");
-      setText(this.#copy, "Copied");
-    } catch {
-      // The clipboard may be missing, as over http without a certificate: the text is selected for a copy by key.
-      getSelection()?.selectAllChildren(this.#command);
-      this.#command.focus();
-      setText(this.#copy, "Marked: copy it with Ctrl + C");
-    }
   }
 }
 

@@ -1,12 +1,13 @@
-/** The crop tool: a box over the picture around the part of a scene to keep, for `hgs edit`. */
+/** The crop tool: a box over the picture around the part of a scene to keep, and the start of its edit. */
 
 import { project } from "../camera/pinhole";
 import { row } from "../camera/vector";
+import { EditApplication, type StartEdit } from "../dom/edit_application";
 import { adoptStyle } from "../dom/shadow_style";
 import toolCss from "../dom/tool_panel.css?inline";
 import type { HgsPlayer } from "../player/hgs_player";
 import css from "./crop.css?inline";
-import { type CropBox, uprightBox } from "./crop_box";
+import { type CropBox, type CropWish, documentFor, uprightBox } from "./crop_box";
 import { dragged, type Handle } from "./crop_drag";
 import { CropDrawing } from "./crop_drawing";
 import { CropPanel } from "./crop_panel";
@@ -21,8 +22,10 @@ const NARROW = 620;
 export class CropTool {
   readonly #drawing: CropDrawing;
   readonly #panel: CropPanel;
+  readonly #application: EditApplication;
   #box: CropBox | null = null;
   #inverse = false;
+  #document = ""; // the shown crop as an edit
   #frame = 0; // 0 without a requested frame
 
   /**
@@ -33,19 +36,22 @@ export class CropTool {
   constructor(
     readonly player: HgsPlayer,
     readonly root: HTMLElement,
+    startEdit: StartEdit,
   ) {
     for (const style of [toolCss, css]) adoptStyle(root.getRootNode() as ShadowRoot, style);
     const signal = player.disposed;
     this.#drawing = new CropDrawing((handle, event, group) => this.#grab(handle, event, group), signal);
-    this.#panel = new CropPanel({
-      changed: (box) => this.#change(box),
-      inverted: (inverse) => {
+    this.#application = new EditApplication(startEdit, () => this.#document);
+    const events = {
+      changed: (box: CropBox) => this.#change(box),
+      inverted: (inverse: boolean) => {
         this.#inverse = inverse;
         this.#draw();
       },
       reset: () => this.#change(this.#firstBox()),
       close: () => this.toggle(),
-    });
+    };
+    this.#panel = new CropPanel(events, this.#application.nodes);
     player.addEventListener("loadstart", () => this.#forget(), { signal });
     for (const type of ["viewchange", "timeupdate"] as const) {
       player.addEventListener(type, () => this.#drawSoon(), { signal });
@@ -91,6 +97,7 @@ export class CropTool {
   #forget(): void {
     if (this.active) this.toggle();
     this.#box = null;
+    this.#application.forget();
   }
 
   #change(box: CropBox | null): void {
@@ -141,7 +148,12 @@ export class CropTool {
     const view = this.#view();
     if (!this.active || !view || !this.#box) return;
     this.#drawing.show(this.#box, this.#inverse, view);
-    const wish = { box: this.#box, inverse: this.#inverse, trim: this.player.loopRange };
+    const wish: CropWish = { box: this.#box, inverse: this.#inverse, trim: this.player.loopRange };
     this.#panel.show(wish, this.player.start);
+    const asked = documentFor(wish);
+    if (asked === this.#document) return;
+    this.#document = asked;
+    this.#application.ready = true;
+    this.#application.changed();
   }
 }

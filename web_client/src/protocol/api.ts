@@ -1,5 +1,6 @@
 /** Captures, jobs and scenes over HTTP, with the objects of docs/rest.md. All functions throw `ApiError`. */
 
+import { toHex } from "../codec/hex";
 import { ApiError, getJson, request, sendJson, siteUrl } from "./http";
 
 export { ApiError };
@@ -145,10 +146,13 @@ export async function renameScene(id: string, title: string): Promise<void> {
   await sendJson("PATCH", sceneAddress(id), { title });
 }
 
-/** Queue a job that makes a new scene of this one, without the splats of a list, a JSON text (docs/editing.md). */
-export async function editScene(id: string, list: string): Promise<Job> {
-  const headers = { Accept: "application/json", "Content-Type": "application/json" };
-  return (await (await request(`${sceneAddress(id)}/edits`, { method: "POST", headers, body: list })).json()) as Job;
+/** A new key for requests of which the server takes one, however often it arrives; also without a secure context. */
+export const newIdempotencyKey = (): string => toHex(crypto.getRandomValues(new Uint8Array(16)));
+
+/** Queue a job that makes a new scene of this one, by an edit as JSON text (docs/editing.md). */
+export async function editScene(id: string, body: string, key: string): Promise<Job> {
+  const headers = { Accept: "application/json", "Content-Type": "application/json", "Idempotency-Key": key };
+  return (await (await request(`${sceneAddress(id)}/edits`, { method: "POST", headers, body })).json()) as Job;
 }
 
 export async function deleteScene(id: string): Promise<void> {
@@ -158,6 +162,12 @@ export async function deleteScene(id: string): Promise<void> {
 export async function listCaptures(signal: AbortSignal): Promise<CaptureList> {
   const answer = await getJson(siteUrl("v1/captures"), signal);
   return { captures: [], folders: [], complete: true, ...answer };
+}
+
+/** The first pictures of a capture's cameras as data URIs, by name; null for an unreadable one. */
+export async function getCameraPictures(capture: string, signal: AbortSignal): Promise<Record<string, string | null>> {
+  const path = siteUrl(`v1/captures/pictures?capture=${encodeURIComponent(capture)}`);
+  return ((await getJson(path, signal)).pictures ?? {}) as Record<string, string | null>;
 }
 
 /** The identity of this browser at the server. */

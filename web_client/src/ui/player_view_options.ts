@@ -13,11 +13,10 @@ export interface PageTool {
 type LoadTool = (player: HgsPlayer, root: HTMLElement) => Promise<PageTool>;
 
 export interface PageTools {
-  /** The crop tool. */
-  readonly crop: LoadTool;
   /** Key frames of a camera path. */
   readonly path: LoadTool;
-  /** The cleaning tool; undefined for visitors without the right to edit. */
+  /** The crop tool; undefined for visitors without the right to edit, as the cleaning tool. */
+  readonly crop?: LoadTool;
   readonly clean?: LoadTool;
 }
 

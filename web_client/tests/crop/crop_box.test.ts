@@ -4,6 +4,7 @@ import { add, cross, dot, length, row, scale, subtract, type Vec3 } from "../../
 import {
   commandFor,
   corners,
+  documentFor,
   EDGES,
   FACES,
   faces,
@@ -109,5 +110,24 @@ describe("the command line", () => {
     expect(commandFor({ box, inverse: true, trim: [0.25, 1.00049] })).toBe(
       "hgs edit RUN --out NEW --box=0.33333,0.33333,0.33333,2,2,2,1,0,0,0 --inverse --trim=0.25,1",
     );
+  });
+});
+
+describe("the document of an edit", () => {
+  const read = (wish: Parameters<typeof documentFor>[0]) => JSON.parse(documentFor(wish));
+
+  it("has the box in full precision, and the kept side", () => {
+    const box = { ...BOX, center: scale([1, 1, 1], 1 / 3) };
+    const numbers = [1 / 3, 1 / 3, 1 / 3, 2, 2, 2, 1, 0, 0, 0];
+    expect(read({ box, inverse: true, trim: null })).toEqual({
+      format: "hgs-crop",
+      version: 1,
+      box: numbers,
+      inverse: true,
+    });
+  });
+
+  it("has the repeated stretch", () => {
+    expect(read({ box: BOX, inverse: false, trim: [0.25, 59 / 30] }).trim).toEqual([0.25, 59 / 30]);
   });
 });
