@@ -11,6 +11,7 @@ from PIL import Image
 
 from benchmarks.viewers.browser import canvas_pixels, psnr
 from tests.web_client.test_console_pages import violations
+from tests.web_client.test_delivery import ALL_DRAWN
 from tests.web_client.test_view_page import PHONE, playing, viewing
 
 if TYPE_CHECKING:
@@ -173,7 +174,7 @@ def test_bookmarks_are_shown_reached_and_kept_in_the_address(browser: Browser, s
         page.keyboard.press("PageUp")
         wait_for_time(page, 0.4)
         page.reload()
-        page.evaluate("() => window.hgs.ready")
+        page.wait_for_function(ALL_DRAWN)
         page.locator(".mark").nth(1).wait_for()
         assert page.locator(".mark").count() == 2
         page.get_by_role("button", name="Settings").click()
@@ -214,7 +215,7 @@ def test_a_copied_link_opens_on_the_same_picture(browser: Browser, site: Site) -
         page.locator(".message", has_text="Link copied").wait_for()
         link = page.evaluate("() => navigator.clipboard.readText()")
         page.goto(link)
-        page.evaluate("() => window.hgs.ready")
+        page.wait_for_function(ALL_DRAWN)
         assert not playing(page)
         page.locator(".loop-range").wait_for()
         assert psnr(settled(page), shared) >= 45
@@ -272,7 +273,7 @@ def test_an_upright_phone_is_covered_by_what_the_capture_shows(browser: Browser,
     with viewing(browser, site, **PHONE | {"device_scale_factor": 1}) as page:
         picture = settled(page)
         page.goto(site.page + "?paused=1&t=0.4&exact=1&width=1350&height=844")
-        page.evaluate("() => window.hgs.ready")
+        page.wait_for_function(ALL_DRAWN)
         whole = canvas_pixels(page)
         assert psnr(picture, whole[:, 480:870]) > 30
 

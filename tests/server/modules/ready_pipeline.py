@@ -15,7 +15,7 @@ from hgs_core.runs.run_config import RunConfig
 def create_run(run: Path, capture: Path, config: RunConfig, given: GivenFiles) -> RunConfig:
     if not (capture / "scene").is_dir():
         raise InputError(capture, "has no scene")
-    run.mkdir(parents=True)
+    run.mkdir(parents=True, exist_ok=True)
     (run / "run.json").write_text(json.dumps({"capture": str(capture)}))
     return config
 

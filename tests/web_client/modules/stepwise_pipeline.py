@@ -36,7 +36,7 @@ def create_run(run: Path, capture: Path, config: RunConfig, given: GivenFiles) -
         )
     if not (capture / "scene").is_dir():
         raise InputError(capture / "left.png", "the picture is unreadable", "restore the file")
-    run.mkdir(parents=True)
+    run.mkdir(parents=True, exist_ok=True)
     (run / "run.json").write_text(json.dumps({"capture": str(capture)}))
     return config
 
