@@ -14,7 +14,7 @@ export interface EditCourse {
 export type StartEdit = (document: string, show: (course: EditCourse) => void) => void;
 
 export class EditApplication {
-  readonly #button = element("button", { type: "button", class: "tool-apply" }, "Apply");
+  readonly #button = element("button", { type: "button", class: "tool-main" }, "Apply");
   readonly #line = element("p", { class: "tool-course", role: "status", hidden: true });
   readonly nodes: readonly HTMLElement[] = [this.#button, this.#line];
   #ready = false;

@@ -43,7 +43,7 @@ export class PathPanel {
       onclick: () => events.close(),
     });
     close.append(icon(CLOSE));
-    this.#add = button("path-add", () => events.add());
+    this.#add = button("tool-main", () => events.add());
     this.#follow = button("path-button", () => events.follow(), "Play along");
     this.#save = button("path-button", () => events.save(), "Save for hgs render");
     this.node = element(
