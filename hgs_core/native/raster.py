@@ -205,7 +205,7 @@ class Raster:
             grad_alpha: [H, W] dL / d alpha, or None if that is zero.
             grad_static: parameter name -> array of its shape, overwritten; None leaves the statics out.
             grad_dynamic: the same for the dynamics.
-            statistics: gradient norm sums and counts of `hgs_core.render.ScreenStatistics`, added to.
+            statistics: pull sums and counts of `hgs_core.render.ScreenStatistics`, added to.
             grad_depth: [H, W] dL / d depth, or None if that is zero.
 
         Raises:
@@ -221,7 +221,7 @@ class Raster:
         gathered = None
         if statistics is not None:
             gathered = CScreenStatistics(
-                address("grad_norm_sum", statistics[0], (count,)), address("count", statistics[1], (count,), np.int32)
+                address("pull_sum", statistics[0], (count,)), address("count", statistics[1], (count,), np.int32)
             )
         gradient = CPicture(
             address("grad_rgb", grad_rgb, (3, *self._shape)),

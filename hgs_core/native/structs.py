@@ -121,7 +121,7 @@ class CDynamicGradients(ctypes.Structure):
 class CScreenStatistics(ctypes.Structure):
     """Where screen statistics are added up."""
 
-    _fields_ = pointers(("grad_norm_sum", "count"))
+    _fields_ = pointers(("pull_sum", "count"))
 
 
 class CMeasurements(ctypes.Structure):

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 
 import torch
 from torch import Tensor
@@ -62,9 +63,17 @@ class Weights:
 
 
 def blend(
-    ellipses: Ellipses, width: int, height: int, tile_mask: Tensor | None, dtype: torch.dtype
+    ellipses: Ellipses,
+    width: int,
+    height: int,
+    tile_mask: Tensor | None,
+    dtype: torch.dtype,
+    pulls: Tensor | None = None,
 ) -> Iterator[Weights]:
-    """Blend the ellipses front to back in every tile that has some, computing pixels in `dtype`."""
+    """Blend the ellipses front to back in every tile that has some, computing pixels in `dtype`.
+
+    The backward pass adds to `pulls` [N, 2], for every ellipse, the sums over pixels of |dL / d mean| in x and in y.
+    """
     rows, starts = tile_lists(ellipses, width, height, tile_mask)
     across = -(-width // TILE)
     lane = torch.arange(TILE * TILE, device=rows.device)
@@ -79,7 +88,12 @@ def blend(
         (ox, oy), (xx, xy, yy) = (ellipses.means[row] - corner).unbind(-1), ellipses.factors[row].unbind(-1)
         ex, ey = (xx * ox + xy * oy).to(dtype)[..., None], (yy * oy).to(dtype)[..., None]
         xx, xy, yy = xx.to(dtype)[..., None], xy.to(dtype)[..., None], yy.to(dtype)[..., None]
-        distance = (xx * px + xy * py - ex).square() + (yy * py - ey).square()  # [B, K, 256]
+        offsets = torch.stack([xx * px + xy * py - ex, yy * py - ey], -1)
+        if pulls is not None and offsets.requires_grad:
+            offsets.register_hook(  # type: ignore[no-untyped-call]
+                partial(_pull, pulls, row, ellipses.factors.detach()[row])
+            )
+        distance = offsets.square().sum(-1)  # [B, K, 256]
         opacity = ellipses.opacities[row].to(dtype)[..., None]
         alpha = (opacity * torch.exp(-0.5 * distance)).clamp_max(ALPHA_MAX)
         alpha = torch.where(listed[..., None] & (alpha >= ALPHA_MIN), alpha, torch.zeros_like(alpha))
@@ -91,15 +105,24 @@ def blend(
 
 
 def composite(
-    ellipses: Ellipses, width: int, height: int, tile_mask: Tensor | None, dtype: torch.dtype, depth: bool
+    ellipses: Ellipses,
+    width: int,
+    height: int,
+    tile_mask: Tensor | None,
+    dtype: torch.dtype,
+    depth: bool,
+    pulls: Tensor | None = None,
 ) -> Tensor:
-    """Draw the ellipses over nothing: colour, coverage (1 - T) and, if asked, weighted depth, [4 or 5, H, W]."""
+    """Draw the ellipses over nothing: colour, coverage (1 - T) and, if asked, weighted depth, [4 or 5, H, W].
+
+    `pulls`: see `blend`.
+    """
     across, down = -(-width // TILE), -(-height // TILE)
     values = torch.cat([ellipses.rgb, ellipses.depths[:, None]], 1) if depth else ellipses.rgb
     values = values.to(dtype)
     pictures: list[Tensor] = []
     places: list[Tensor] = []
-    for batch in blend(ellipses, width, height, tile_mask, dtype):
+    for batch in blend(ellipses, width, height, tile_mask, dtype, pulls):
         shown = torch.bmm(values[batch.rows].transpose(1, 2), batch.weights)
         pictures.append(torch.cat([shown[:, :3], batch.coverage[:, None], shown[:, 3:]], 1))
         places.append(batch.tiles)
@@ -111,6 +134,13 @@ def composite(
         stacked = stacked.index_copy(0, torch.cat(places), torch.cat(pictures))
     image = stacked.view(down, across, -1, TILE, TILE).permute(2, 0, 3, 1, 4)
     return image.reshape(-1, down * TILE, across * TILE)[:, :height, :width]
+
+
+def _pull(pulls: Tensor, rows: Tensor, factors: Tensor, gradient: Tensor) -> None:
+    """Add pulls to `pulls`, from the gradient [B, K, 256, 2] of pixels' offsets in round coordinates."""
+    (xx, xy, yy), (by_t, by_e) = factors[..., None, :].unbind(-1), gradient.unbind(-1)
+    by_mean = torch.stack([xx * by_t, xy * by_t + yy * by_e], -1)
+    pulls.index_add_(0, rows.flatten(), by_mean.abs().sum(2).flatten(0, 1))
 
 
 def _batches(lengths: Tensor) -> Iterator[tuple[Tensor, int]]:

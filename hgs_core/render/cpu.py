@@ -200,7 +200,7 @@ class _Rasterize(torch.autograd.Function):
             None if grad_alpha is None else _array(grad_alpha.contiguous()),
             _named(StaticSplats, wanted[:n]),
             _named(DynamicSplats, wanted[n:]),
-            None if statistics is None else (statistics.grad_norm_sum, statistics.count),
+            None if statistics is None else (statistics.pull_sum, statistics.count),
             None if grad_depth is None else _array(grad_depth.contiguous()),
         )
         return None, None, None, *wanted

@@ -37,10 +37,9 @@ def rasterize_reference(
     ellipses, rows, dtype = _seen(
         _tracked(static, gradients in ("all", "static")), _tracked(dynamic, gradients in ("all", "dynamic")), view
     )
-    if view.statistics is not None:
-        _collect(view.statistics, ellipses, rows, gradients, len(static or ()))
+    pulls = None if view.statistics is None else _pulls(view.statistics, ellipses, rows, gradients, len(static or ()))
     mask = _mask(view, ellipses.means.device)
-    image = composite(ellipses, camera.width, camera.height, mask, dtype, view.depth)
+    image = composite(ellipses, camera.width, camera.height, mask, dtype, view.depth, pulls)
     backdrop = torch.tensor(view.background, dtype=dtype, device=image.device)[:, None, None]
     return Render(image[:3] + (1 - image[3]) * backdrop, image[3], image[4] if view.depth else None)
 
@@ -109,14 +108,20 @@ def _mask(view: View, device: torch.device) -> Tensor | None:
     return None if view.tile_mask is None else torch.as_tensor(view.tile_mask, device=device)
 
 
-def _collect(statistics: ScreenStatistics, ellipses: Ellipses, rows: Tensor, gradients: str, statics: int) -> None:
-    """Add to the statistics when the gradient of the screen positions passes by."""
+def _pulls(
+    statistics: ScreenStatistics, ellipses: Ellipses, rows: Tensor, gradients: str, statics: int
+) -> Tensor | None:
+    """Return a place for `composite`'s pulls; the statistics grow once all pixels have pulled."""
+    if gradients == "none" or not ellipses.means.requires_grad:
+        return None
+    pulls = torch.zeros((len(rows), 2), dtype=torch.float64, device=ellipses.means.device)
     wanted = (rows < statics) if gradients == "static" else (rows >= statics) if gradients == "dynamic" else rows >= 0
 
-    def add(gradient: Tensor) -> None:
-        kept, norms = rows[wanted].numpy(), gradient.detach().cpu().norm(dim=1)[wanted].numpy()
-        statistics.grad_norm_sum[kept] += norms
+    def add(_: Tensor) -> None:
+        kept, norms = rows[wanted].numpy(), pulls.cpu().norm(dim=1)[wanted].numpy()
+        pulls.zero_()  # a picture may be differentiated again
+        statistics.pull_sum[kept] += norms
         statistics.count[kept] += norms > 0
 
-    if gradients != "none" and ellipses.means.requires_grad:
-        ellipses.means.register_hook(add)  # type: ignore[no-untyped-call]
+    ellipses.means.register_hook(add)  # type: ignore[no-untyped-call]
+    return pulls

@@ -46,13 +46,14 @@ class Contributions(NamedTuple):
 class ScreenStatistics:
     """The statistics of every splat for density control, accumulated in place over backward passes.
 
-    One entry per splat, statics first, then dynamics. A pass counts a splat when it is in the gradient set and its
-    gradient is not zero: in the pictures where it is hidden nothing pulls at it, and a mean over those too would hide
-    how wrong it is where it can be seen.
+    One entry per splat, statics first, then dynamics. A pass counts a splat when it is in the gradient set and
+    pixels pull at it: in the pictures where it is hidden none do, and a mean over those too would hide how wrong it is
+    where it can be seen. A splat's pull is the norm over x and y of the sum over pixels of |dL / d mean2d|, the mean in
+    pixels (AbsGS, Ye et al., 2024): in the gradient itself, pixels cancel that want the splat on opposite sides.
     """
 
-    grad_norm_sum: npt.NDArray[np.float32]  # [N] sum over passes of |dL / d mean2d|, the mean in pixels
-    count: npt.NDArray[np.int32]  # [N] passes in which anything pulled at the splat
+    pull_sum: npt.NDArray[np.float32]  # [N] sum over passes of the pull, 1 / pixel
+    count: npt.NDArray[np.int32]  # [N] passes in which a pixel pulled at the splat
 
     @staticmethod
     def zeros(n: int) -> ScreenStatistics:
@@ -61,12 +62,12 @@ class ScreenStatistics:
 
     def add(self, other: ScreenStatistics, rows: slice | npt.NDArray[np.int64]) -> None:
         """Add those of the splats `rows`, none of which is named twice, in place."""
-        self.grad_norm_sum[rows] += other.grad_norm_sum
+        self.pull_sum[rows] += other.pull_sum
         self.count[rows] += other.count
 
     def rows(self, selection: slice) -> ScreenStatistics:
         """Return the statistics of some splats, as views."""
-        return ScreenStatistics(self.grad_norm_sum[selection], self.count[selection])
+        return ScreenStatistics(self.pull_sum[selection], self.count[selection])
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,7 @@ from hgs_core.train.training_views import TrainingView
 
 __all__ = ["TrainState", "fresh_state", "load_state", "save_state"]
 
-_FORMAT = 5
+_FORMAT = 6
 
 
 @dataclass

@@ -21,7 +21,7 @@ class DensityConfig:
     start: float = 0.04  # shares of the iterations
     end: float = 0.6
     every: int = 50  # iterations
-    grow_gradient: float = 2e-4  # screen-gradient norm per half image width above which a splat is refined
+    grow_gradient: float = 8e-4  # pull per half image width above which a splat is refined
     clone_scale: float = 0.01  # a splat larger than this share of the extent is split instead of cloned
     prune_opacity: float = 0.005
     prune_contribution: float = 0.01  # remove splats of less blending weight in every training pixel; 0: none
@@ -46,7 +46,7 @@ _DENSITY: dict[str, Range] = {
     "start": _SHARE,
     "end": _SHARE,
     "every": (1, 1_000_000),  # the most iterations there are: never
-    "grow_gradient": (0.0, 1e3),  # a gradient of the loss, which is at most 1, is far below: none is refined
+    "grow_gradient": (0.0, 1e3),  # pulls of the loss, which is at most 1, are far below: none is refined
     "clone_scale": (0.0, 1e3),  # a splat of many times the scene's extent: none is split
     "prune_opacity": _SHARE,
     "prune_contribution": _SHARE,

@@ -42,6 +42,10 @@ class Schedule:
         progress = (iteration + 1) / max(1.0, self.config.density.end * self.config.iterations)
         return round(initial + (max(final, initial) - initial) * min(1.0, progress))
 
+    def are_pulls_counted(self, iteration: int) -> bool:
+        """Return whether density control will refine splats by the pulls of this iteration."""
+        return iteration < self.config.density.end * self.config.iterations and self.config.density.method == "gradient"
+
     def static_rates(self, iteration: int) -> dict[str, float | Tensor]:
         """Return the step size of every field of the static set; held ones are multiplied by `held_statics`."""
         rates, held = self.config.learning_rates, iteration > self._hold_from

@@ -235,7 +235,7 @@ class Trainer:
                 tiles=tiles,
                 ignored=ignored,
                 correction=state.correction,
-                statistics=seen,
+                statistics=seen if self.schedule.are_pulls_counted(iteration) else None,
             )
         with timed("optimiser"):
             if stage in ("static", "all"):

@@ -116,7 +116,7 @@ def kernel_times(workload: Workload, seconds: float) -> Timing[Measurements]:
 
     def rendering() -> Measurements:
         raster = Raster(scene.static, scene.dynamic, workload.camera, scene.time, background=BACKGROUND)
-        raster.backward(gradient, None, gradients, None, statistics=(statistics.grad_norm_sum, statistics.count))
+        raster.backward(gradient, None, gradients, None, statistics=(statistics.pull_sum, statistics.count))
         measured = raster.measurements()
         raster.release()
         return measured

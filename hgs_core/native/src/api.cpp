@@ -97,7 +97,7 @@ int32_t hgs_rasterize_backward(hgs_workspace *workspace, const hgs_static_splats
     hgs::Workspace &w = *workspace;
     const hgs::GradientSet wanted{grad_statics != nullptr, grad_dynamics != nullptr};
     hgs::Stopwatch watch;
-    hgs::composite_backward(w, *picture, *gradient, wanted, threads);
+    hgs::composite_backward(w, *picture, *gradient, wanted, statistics != nullptr, threads);
     w.seconds.composite_backward = watch.lap();
     if (wanted.statics) hgs::project_statics_backward(w, *statics, *grad_statics, statistics, threads);
     if (wanted.dynamics) hgs::project_dynamics_backward(w, *dynamics, *grad_dynamics, statistics, threads);

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kPrefetchSlot = 4;  // entries ahead
 
-template <bool depth>
+template <bool depth, bool pulls>
 struct TileGradients {
   static constexpr int kChannels = depth ? 4 : 3;  // red, green, blue, depth
   alignas(64) float T[kTilePixels];
@@ -55,6 +55,8 @@ struct TileGradients {
     const Vec colour[] = {broadcast(s.r), broadcast(s.g), broadcast(s.b), broadcast(s.depth)};
     Vec sums[kGradientTerms] = {};
     Vec sum_dy{}, sum_dy2{}, sum_t_dy{};  // of h times these, dy from the middle row
+    const float middle_row = static_cast<float>(place.y) + 0.5f * static_cast<float>(entry.box.y0 + entry.box.y1 + 1);
+    const float middle_e = s.scale_e * ((middle_row - s.origin_y) - s.mean_y);
     open.each_block(entry.box, [&](int block, int first, int last) {
       const BlockTerms columns(s, entry, block);
       Vec h_0{}, h_dy{}, h_dy2{};
@@ -75,6 +77,11 @@ struct TileGradients {
           h_0 += h;
           h_dy += h_y;
           h_dy2 += h_y * rows.dy(y);
+          if constexpr (pulls) {
+            const Vec pull = abs(h), t = columns.middle_t + rows.t(y);
+            sums[kPullT] += pull * abs(t);
+            sums[kPullY] += pull * abs(t * rows.t_by_y + s.scale_e * (middle_e + s.scale_e * rows.dy(y)));
+          }
           for (int c = 0; c < 3; ++c) sums[kRed + c] += blend.weight * g[c];
           if constexpr (depth) sums[kDepth] += blend.weight * g[3];
         }
@@ -91,13 +98,11 @@ struct TileGradients {
       }
     });
     if constexpr (wanted) {
-      const float middle_row = static_cast<float>(place.y) + 0.5f * static_cast<float>(entry.box.y0 + entry.box.y1 + 1);
-      const float e = s.scale_e * ((middle_row - s.origin_y) - s.mean_y);
-      sums[kHe] = e * sums[kH] + s.scale_e * sum_dy;
-      sums[kHte] = e * sums[kHt] + s.scale_e * sum_t_dy;
-      sums[kHee] = e * (sums[kHe] + s.scale_e * sum_dy) + s.scale_e * s.scale_e * sum_dy2;
-      static_assert(kGradientTerms == 10);
-      sum_each_of_10(sums, slot->terms);
+      sums[kHe] = middle_e * sums[kH] + s.scale_e * sum_dy;
+      sums[kHte] = middle_e * sums[kHt] + s.scale_e * sum_t_dy;
+      sums[kHee] = middle_e * (sums[kHe] + s.scale_e * sum_dy) + s.scale_e * s.scale_e * sum_dy2;
+      static_assert(kGradientTerms == 12);
+      sum_each_of_12(sums, slot->terms);
     }
   }
 };
@@ -143,7 +148,7 @@ class NextTile {
   int planes_count_ = 0, plane_ = 0, row_ = 0;
 };
 
-template <bool depth>
+template <bool depth, bool pulls>
 void composite_tile_backward(Workspace &w, int tile, const hgs_picture &picture, const hgs_picture &gradient,
                              GradientSet wanted) {
   if (wanted.statics) clear_behind(w.statics, tile);
@@ -157,7 +162,7 @@ void composite_tile_backward(Workspace &w, int tile, const hgs_picture &picture,
 
   const TilePlace place(w, tile);
   const unsigned cells = w.cells_drawn(tile % w.tiles_x, tile / w.tiles_x);
-  TileGradients<depth> gradients(w, place, cells, picture, gradient);
+  TileGradients<depth, pulls> gradients(w, place, cells, picture, gradient);
   OpenCells open(cells);
   NextTile next(w, tile + 1, picture, gradient);
   const int rows_per_splat = next.rows() / std::max(1, list.count()) + 1;
@@ -179,15 +184,14 @@ void composite_tile_backward(Workspace &w, int tile, const hgs_picture &picture,
 }  // namespace
 
 void composite_backward(Workspace &w, const hgs_picture &picture, const hgs_picture &gradient, GradientSet wanted,
-                        int threads) {
+                        bool pulls, int threads) {
   if (wanted.statics) w.statics.slots.reserve(w.entry_count(w.statics));
   if (wanted.dynamics) w.dynamics.slots.reserve(w.entry_count(w.dynamics));
+  const bool depth = gradient.depth != nullptr;
+  const auto tile_backward = depth ? pulls ? composite_tile_backward<true, true> : composite_tile_backward<true, false>
+                             : pulls ? composite_tile_backward<false, true> : composite_tile_backward<false, false>;
   parallel_for(threads, w.tile_count(), 1, [&](int64_t tile) {
-    if (gradient.depth != nullptr) {
-      composite_tile_backward<true>(w, static_cast<int>(tile), picture, gradient, wanted);
-    } else {
-      composite_tile_backward<false>(w, static_cast<int>(tile), picture, gradient, wanted);
-    }
+    tile_backward(w, static_cast<int>(tile), picture, gradient, wanted);
   });
 }
 

@@ -96,8 +96,8 @@ typedef struct hgs_dynamic_gradients {
 
 /* Added to for every splat of the gradient set whose extent overlaps the picture. [N + M], statics first. */
 typedef struct hgs_screen_statistics {
-  float *grad_norm_sum; /* += |dL / d screen mean|, the mean in pixels */
-  int32_t *count;       /* += 1 if that is not zero: a hidden splat is not counted */
+  float *pull_sum; /* += the norm over x and y of the sum over pixels of |dL / d screen mean|, the mean in pixels */
+  int32_t *count;  /* += 1 if that is not zero: a hidden splat is not counted */
 } hgs_screen_statistics;
 
 /* What the last calls on a workspace did. */

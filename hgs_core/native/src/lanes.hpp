@@ -62,7 +62,7 @@ inline float sum(Vec v) {
 }
 
 // out[k] = sum of v[k], k < 10; out has room for 16, at a multiple of 64 bytes.
-inline void sum_each_of_10(const Vec *v, float *out) {
+inline void sum_each_of_12(const Vec *v, float *out) {
 #if HGS_AVX512
   // Quarters of two vectors, then of four, are added side by side; then the lanes of a quarter.
   const auto halves = [](Vec a, Vec b) {
@@ -74,7 +74,7 @@ inline void sum_each_of_10(const Vec *v, float *out) {
   const auto pairs = [](__m512 a, __m512 b) { return _mm512_add_ps(_mm512_unpacklo_ps(a, b), _mm512_unpackhi_ps(a, b)); };
   const __m512 first = quarters(halves(v[0], v[1]), halves(v[2], v[3]));
   const __m512 second = quarters(halves(v[4], v[5]), halves(v[6], v[7]));
-  const __m512 last_halves = halves(v[8], v[9]), third = quarters(last_halves, last_halves);
+  const __m512 third = quarters(halves(v[8], v[9]), halves(v[10], v[11]));
   const __m512 a = pairs(first, second), b = pairs(third, third);
   const __m512 sums = _mm512_add_ps(_mm512_shuffle_ps(a, b, 0x44), _mm512_shuffle_ps(a, b, 0xee));
   const __m512i order = _mm512_setr_epi32(0, 4, 8, 12, 1, 5, 9, 13, 2, 6, 10, 14, 3, 7, 11, 15);
@@ -84,9 +84,9 @@ inline void sum_each_of_10(const Vec *v, float *out) {
   const __m256 low = _mm256_hadd_ps(_mm256_hadd_ps(h[0], h[1]), _mm256_hadd_ps(h[2], h[3]));
   const __m256 high = _mm256_hadd_ps(_mm256_hadd_ps(h[4], h[5]), _mm256_hadd_ps(h[6], h[7]));
   _mm256_store_ps(out, _mm256_add_ps(_mm256_permute2f128_ps(low, high, 0x20), _mm256_permute2f128_ps(low, high, 0x31)));
-  for (int k = 8; k < 10; ++k) out[k] = sum(v[k]);
+  for (int k = 8; k < 12; ++k) out[k] = sum(v[k]);
 #else
-  for (int k = 0; k < 10; ++k) out[k] = sum(v[k]);
+  for (int k = 0; k < 12; ++k) out[k] = sum(v[k]);
 #endif
 }
 

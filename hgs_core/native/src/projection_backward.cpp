@@ -54,14 +54,14 @@ void sum_slots(const ScreenSet &set, const uint32_t *splats, int lanes, Vec *sum
   for (int c = 0; c < kGradientTerms; ++c) sums[c] = load(columns[c]);
 }
 
-void add_statistics(const Rows &rows, int64_t first_row, const ScreenGradient &g,
+void add_statistics(const Rows &rows, int64_t first_row, Vec pull_x, Vec pull_y,
                     const hgs_screen_statistics &statistics) {
-  alignas(64) float norms[kLanes];
-  store(norms, sqrt(g.mean_x * g.mean_x + g.mean_y * g.mean_y));
+  alignas(64) float pulls[kLanes];
+  store(pulls, sqrt(pull_x * pull_x + pull_y * pull_y));
   for (int k = 0; k < rows.count; ++k) {
     const int64_t i = first_row + rows.row[k];
-    statistics.grad_norm_sum[i] += norms[k];
-    statistics.count[i] += norms[k] > 0.0F;
+    statistics.pull_sum[i] += pulls[k];
+    statistics.count[i] += pulls[k] > 0.0F;
   }
 }
 
@@ -92,7 +92,10 @@ void project_set_backward(const Workspace &w, const ScreenSet &set, const Moment
     g.depth = sums[kDepth];
     const Vec d_opacity = sums[kH] / moment.opacity(rows, ignored);
     moment.backward(rows, project_backward(model, p, round, g), d_opacity, sums + kRed, gradients);
-    if (statistics != nullptr) add_statistics(rows, first_row, g, *statistics);
+    if (statistics != nullptr) {
+      const Vec pull_x = root * round.t_by_x * sums[kPullT], pull_y = sums[kPullY] * (1.0f / kExponentScale);
+      add_statistics(rows, first_row, pull_x, pull_y, *statistics);
+    }
   });
 }
 

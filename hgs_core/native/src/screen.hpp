@@ -71,8 +71,9 @@ struct TileEntry {
 
 // What a (splat, tile) pair adds to the gradient of a splat: sums over the tile's pixels of dL / d colour, dL / d depth
 // and, with h = dL / d ln(alpha) of a pixel and (t, e) as in ScreenSplat, of h times the powers of t and e. In these
-// coordinates every splat is round; moments of the offsets in pixels would be nearly dependent for a needle.
-enum GradientTerm { kHt, kHe, kHtt, kHte, kHee, kRed, kGreen, kBlue, kH, kDepth, kGradientTerms };
+// coordinates every splat is round; moments of the offsets in pixels would be nearly dependent for a needle. The last two
+// are sums of magnitudes, for the statistics: of h t, and of h (t_by_y t + e_by_y e), as dL / d mean_y of a pixel is.
+enum GradientTerm { kHt, kHe, kHtt, kHte, kHee, kRed, kGreen, kBlue, kH, kDepth, kPullT, kPullY, kGradientTerms };
 
 struct alignas(64) GradientSlot {
   float terms[16];  // kGradientTerms of them, in a cache line of their own

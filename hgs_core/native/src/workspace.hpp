@@ -74,7 +74,7 @@ struct GradientSet {
   bool statics, dynamics;
 };
 void composite_backward(Workspace &w, const hgs_picture &picture, const hgs_picture &gradient, GradientSet wanted,
-                        int threads);
+                        bool pulls, int threads);
 void project_statics_backward(const Workspace &w, const hgs_static_splats &splats, const hgs_static_gradients &gradients,
                               const hgs_screen_statistics *statistics, int threads);
 void project_dynamics_backward(const Workspace &w, const hgs_dynamic_splats &splats,

@@ -69,10 +69,11 @@ def differentiate(
             last,
             lists.across,
             *reversed(pictures.alpha.shape),
+            PULLS=statistics is not None,
             num_warps=1,
         )
     sums = reduced(slots, first_slots[first:last], counts)
-    norms = None if statistics is None else torch.empty(last - first, device=counts.device)
+    pulls = None if statistics is None else torch.empty(last - first, device=counts.device)
     options: dict[str, Any]
     if grad_static is not None and wants_static and static is not None and len(static):
         grid, options = row_blocks(len(static))
@@ -85,7 +86,7 @@ def differentiate(
             screen.camera,
             screen.depths,
             sums,
-            norms,
+            pulls,
             *(array for _, array in grad_static.items()),
             ANTIALIASED=antialiased,
             **options,
@@ -99,16 +100,16 @@ def differentiate(
             screen.camera,
             screen.depths[screen.statics :],
             sums[skipped:],
-            None if norms is None else norms[skipped:],
+            None if pulls is None else pulls[skipped:],
             *(array for _, array in grad_dynamic.items()),
             COEFFICIENTS=dynamic.motion.shape[1],
             ANTIALIASED=antialiased,
             **options,
         )
-    if statistics is not None and norms is not None:
-        pulls = norms.cpu().numpy()
-        statistics.grad_norm_sum[first:last] += pulls
-        statistics.count[first:last] += pulls > 0
+    if statistics is not None and pulls is not None:
+        added = pulls.cpu().numpy()
+        statistics.pull_sum[first:last] += added
+        statistics.count[first:last] += added > 0
 
 
 def reduced(slots: Tensor, first_slots: Tensor, counts: Tensor, maxima: int = 0) -> Tensor:

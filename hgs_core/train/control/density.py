@@ -85,7 +85,7 @@ def refine(splats: S, optimiser: RmsProp[S], statistics: ScreenStatistics, plan:
     """
     with torch.no_grad():
         keep = (peak_opacity(splats) >= plan.config.density.prune_opacity) & ~is_fog(splats, plan.extent, plan.config)
-        pull = torch.from_numpy(statistics.grad_norm_sum / statistics.count.clip(1)) * plan.half_width
+        pull = torch.from_numpy(statistics.pull_sum / statistics.count.clip(1)) * plan.half_width
         pull = torch.where(keep, pull, torch.zeros_like(pull))
         room = max(0, plan.budget - int(keep.sum()))
         wanted = pull > plan.config.density.grow_gradient

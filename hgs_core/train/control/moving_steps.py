@@ -57,7 +57,7 @@ class MovingSteps:
     def _step(
         self, state: TrainState, context: RoundContext, fixed: FixedView, view: TrainingView, moving: MovingTiles
     ) -> None:
-        def draw(living: DynamicSplats[Tensor], seen: ScreenStatistics) -> Tensor:
+        def draw(living: DynamicSplats[Tensor], seen: ScreenStatistics | None) -> Tensor:
             return fixed.differentiable_frame(living, view.moment, tile_mask=moving.tiles, statistics=seen).rgb
 
         step_of_movers(state, context, self.config, view, moving, view.target, draw, statics=len(state.static))
@@ -70,7 +70,7 @@ def step_of_movers(
     view: TrainingView,
     moving: MovingTiles,
     target: Tensor,
-    draw: Callable[[DynamicSplats[Tensor], ScreenStatistics], Tensor],
+    draw: Callable[[DynamicSplats[Tensor], ScreenStatistics | None], Tensor],
     *,
     statics: int = 0,
 ) -> None:
@@ -83,7 +83,7 @@ def step_of_movers(
         view: the view.
         moving: its tiles that are drawn.
         target: [3, h, w] of their window.
-        draw: gives the picture [3, H, W] of living dynamics, and counts them.
+        draw: gives the picture [3, H, W] of living dynamics, and counts pulls at them where density control needs any.
         statics: splats that are drawn and counted before them.
     """
     rows = living_rows(state.dynamic, view.moment)
@@ -92,7 +92,7 @@ def step_of_movers(
     living = rows_taken(state.dynamic, rows)
     living.map(lambda array: array.requires_grad_(True))
     seen = ScreenStatistics.zeros(statics + len(rows))
-    picture = draw(living, seen)
+    picture = draw(living, seen if context.schedule.are_pulls_counted(context.iteration) else None)
     gradient = loss_gradient(picture.detach(), target, view.camera, moving, config.dssim, state.colours(view))
     picture.backward(gradient)  # type: ignore[no-untyped-call]
     living.map(lambda array: array.requires_grad_(False))

@@ -53,7 +53,7 @@ class SilhouetteSteps:
         moving: MovingTiles,
         behind: tuple[float, float, float],
     ) -> None:
-        def draw(living: DynamicSplats[Tensor], seen: ScreenStatistics) -> Tensor:
+        def draw(living: DynamicSplats[Tensor], seen: ScreenStatistics | None) -> Tensor:
             return rasterize(
                 None,
                 living,

@@ -118,6 +118,6 @@ def compare(
     for name, gradient in truth.gradients().items():
         assert_close(gradients.pop(name).numpy(), gradient.numpy(), name)
     assert not any(gradient.any() for gradient in gradients.values())
-    assert_close(fast.statistics.grad_norm_sum, truth.statistics.grad_norm_sum, "grad_norm_sum")
+    assert_close(fast.statistics.pull_sum, truth.statistics.pull_sum, "pull_sum")
     assert (fast.statistics.count == truth.statistics.count).all()
     return fast

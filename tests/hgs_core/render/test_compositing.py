@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import numpy as np
@@ -11,6 +12,7 @@ import torch
 from hgs_core.render import compositing
 from hgs_core.render.compositing import blend, composite, tile_lists
 from hgs_core.render.projection import Ellipses
+from tests.tolerances import assert_close
 
 WIDTH, HEIGHT = 70, 40  # 5 tiles across and 3 down, the last ones cut
 ACROSS, DOWN = 5, 3
@@ -119,3 +121,20 @@ def test_a_picture_without_splats_is_empty_and_has_a_derivative() -> None:
     assert image.shape == (4, HEIGHT, WIDTH)
     assert not image.any()
     assert image.requires_grad
+
+
+def test_pulls_are_sums_of_the_magnitudes_of_every_pixels_gradient() -> None:
+    given, whole = ellipses(12), torch.zeros(12, 2, dtype=torch.float64)
+    needles = dataclasses.replace(given, factors=given.factors + torch.tensor([0.0, 0.3, 0.0]))
+    means = needles.means.requires_grad_()
+    weights = torch.randn((4, HEIGHT, WIDTH), generator=torch.Generator().manual_seed(1), dtype=torch.float64)
+    image = composite(needles, WIDTH, HEIGHT, None, torch.float64, depth=False)
+    expected = torch.zeros_like(whole)
+    for loss in (image * weights).sum(0).flatten()[::7]:
+        expected += torch.autograd.grad(loss, means, retain_graph=True)[0].abs()
+    every_seventh = torch.zeros(WIDTH * HEIGHT, dtype=torch.float64)
+    every_seventh[::7] = 1
+    drawn = composite(needles, WIDTH, HEIGHT, None, torch.float64, depth=False, pulls=whole)
+    (drawn * weights * every_seventh.view(HEIGHT, WIDTH)).sum().backward()
+    assert (expected > 0).any(1).sum() > 6
+    assert_close(whole.numpy(), expected.numpy(), "pulls")

@@ -24,7 +24,7 @@ def bits_of(view: View) -> bytes:
     fixed.frame(dynamic, 0.9)
     frame = fixed.frame(dynamic, view.time)
     tensors = (*result.pictures().values(), *result.gradients().values(), frame.rgb, frame.alpha)
-    arrays = (*(t.numpy() for t in tensors), result.statistics.grad_norm_sum, result.statistics.count, *weighed)
+    arrays = (*(t.numpy() for t in tensors), result.statistics.pull_sum, result.statistics.count, *weighed)
     return b"".join(array.tobytes() for array in arrays)
 
 

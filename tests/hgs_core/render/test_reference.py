@@ -165,4 +165,4 @@ def test_statistics_count_what_was_seen() -> None:
     assert set(np.unique(statistics.count)) <= {0, 2}
     assert seen[:30].any()
     assert seen[30:].any()
-    assert (statistics.grad_norm_sum[~seen] == 0).all()
+    assert (statistics.pull_sum[~seen] == 0).all()

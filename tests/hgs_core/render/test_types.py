@@ -30,6 +30,6 @@ def test_an_unknown_gradient_set_is_refused_with_those_that_are_known() -> None:
 def test_rows_of_statistics_are_views() -> None:
     statistics = ScreenStatistics.zeros(5)
     statistics.rows(slice(1, 3)).count[:] += 2
-    statistics.rows(slice(3, None)).grad_norm_sum[:] += 0.5
+    statistics.rows(slice(3, None)).pull_sum[:] += 0.5
     assert statistics.count.tolist() == [0, 2, 2, 0, 0]
-    assert statistics.grad_norm_sum.tolist() == [0, 0, 0, 0.5, 0.5]
+    assert statistics.pull_sum.tolist() == [0, 0, 0, 0.5, 0.5]

@@ -93,6 +93,14 @@ def test_the_budget_grows_to_its_limit() -> None:
     assert schedule.budget(599, 8000, 5000) == 8000
 
 
+def test_pulls_count_until_the_last_round_that_refines() -> None:
+    schedule = Schedule(CONFIG, extent=1.0, frames=50)
+    assert schedule.are_pulls_counted(599)
+    assert not schedule.are_pulls_counted(600)
+    relocating = dataclasses.replace(CONFIG, density=dataclasses.replace(CONFIG.density, method="relocation"))
+    assert not Schedule(relocating, extent=1.0, frames=50).are_pulls_counted(0)
+
+
 def test_steps_of_all_but_positions_settle_to_the_share_that_is_left() -> None:
     schedule = Schedule(dataclasses.replace(CONFIG, settle_from=0.5, settled=0.1), extent=2.0, frames=50)
     shares = [schedule.settling(iteration) for iteration in (0, 500, 750, 1000)]

@@ -40,11 +40,13 @@ def composite_backward(
     across,
     width,
     height,
+    PULLS: tl.constexpr,
 ):
     """Write, for every wanted entry of a tile, the tile's part of the splat's gradient.
 
     Splats from `first_wanted` to before `last_wanted` are wanted; entry `order[i] + slot_shifts[splat]` of `slots` is
     theirs, and those that the forward pass did not come to stay as they are. `grad_alpha` and `grad_depth` may be None.
+    PULLS: whether the statistics need their sums of magnitudes.
     """
     tile = tl.program_id(0)
     if drawn_tiles is not None:
@@ -90,3 +92,6 @@ def composite_backward(
             tl.store(at + 8, tl.sum(h, axis=0))
             if grad_depth is not None:
                 tl.store(at + 9, tl.sum(weight * g_far, axis=0))
+            if PULLS:
+                tl.store(at + 10, tl.sum(tl.abs(ht), axis=0))
+                tl.store(at + 11, tl.sum(tl.abs(ht * tl.load(row + 1) + he * tl.load(row + 2)), axis=0))

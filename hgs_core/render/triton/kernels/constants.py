@@ -51,4 +51,5 @@ CAMERA_LENGTH = 28
 SPLAT = tl.constexpr(8)  # float32: t by x, t by y, e by y, log2 opacity, red, green, blue, z
 PLACE = tl.constexpr(4)  # float64: mean x, mean y, slope -C_xy / C_yy, nothing
 ELLIPSE = tl.constexpr(8)  # float32, pixels: see `kernels.tile_lists.covered_tiles`
-TERMS = tl.constexpr(10)  # float32: sums of h t, h e, h t^2, h t e, h e^2, red, green, blue, h, depth
+# float32: sums of h t, h e, h t^2, h t e, h e^2, red, green, blue, h, depth, |h t|, |h (t by y t + e by y e)|
+TERMS = tl.constexpr(12)

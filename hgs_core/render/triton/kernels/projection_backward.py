@@ -64,7 +64,7 @@ def by_axis(with_k, with_l, xk, xl, yk, yl, share, low, xj, yj, ck, cl, vj):
 
 @triton.jit
 def shape_gradient(
-    camera, sums, norms, row, mask, drawn, X, Y, Z, s0, s1, s2, qw, qx, qy, qz, ANTIALIASED: tl.constexpr
+    camera, sums, pulls, row, mask, drawn, X, Y, Z, s0, s1, s2, qw, qx, qy, qz, ANTIALIASED: tl.constexpr
 ):
     """Gradients of mean, log-scales and quaternion of splats at (X, Y, Z) in the camera; 0 where not drawn.
 
@@ -136,9 +136,11 @@ def shape_gradient(
     # Jacobian is multiplied as by a factor common to all scales.
     g_mean_x = t_by_x * sum_t / EXPONENT_ROOT
     g_mean_y = (t_by_y * sum_t + e_by_y * sum_e) / EXPONENT_ROOT
-    if norms is not None:
-        norm = tl.sqrt(g_mean_x * g_mean_x + g_mean_y * g_mean_y)
-        tl.store(norms + row, tl.where(drawn, norm, 0.0).to(tl.float32), mask=mask)
+    if pulls is not None:
+        pull_x = t_by_x * tl.load(at + 10, mask=drawn, other=0.0) / EXPONENT_ROOT
+        pull_y = tl.load(at + 11, mask=drawn, other=0.0) / EXPONENT_SCALE
+        pull = tl.sqrt(pull_x * pull_x + pull_y * pull_y)
+        tl.store(pulls + row, tl.where(drawn, pull, 0.0).to(tl.float32), mask=mask)
     d_u = fx * g_mean_x - tl.where(uc == u, jx * (v0 * bx0 * z0 + v1 * bx1 * z1 + v2 * bx2 * z2), 0.0)
     d_v = fy * g_mean_y - tl.where(vc == v, jy * (v0 * by0 * z0 + v1 * by1 * z1 + v2 * by2 * z2), 0.0)
     gx, gy = d_u / z, d_v / z
@@ -159,7 +161,7 @@ def differentiate_statics(
     camera,
     depths,
     sums,
-    norms,
+    pulls,
     d_means,
     d_log_scales,
     d_quats,
@@ -177,7 +179,7 @@ def differentiate_statics(
     s0, s1, s2 = load3(log_scales, row * 3, drawn)
     qw, qx, qy, qz = load4(quats, row * 4, drawn)
     gmx, gmy, gmz, d0, d1, d2, dw, dx, dy, dz, g_log_opacity = shape_gradient(
-        camera, sums, norms, row, mask, drawn, X, Y, Z, s0, s1, s2, qw, qx, qy, qz, ANTIALIASED
+        camera, sums, pulls, row, mask, drawn, X, Y, Z, s0, s1, s2, qw, qx, qy, qz, ANTIALIASED
     )
     sigma = sigmoid(tl.load(opacity_logits + row, mask=drawn, other=0.0).to(tl.float64))
     store3(d_means, row * 3, gmx, gmy, gmz, mask)
@@ -200,7 +202,7 @@ def differentiate_dynamics(
     camera,
     depths,
     sums,
-    norms,
+    pulls,
     d_motion,
     d_rotation,
     d_log_scales,
@@ -228,7 +230,7 @@ def differentiate_dynamics(
     gmx, gmy, gmz, d0, d1, d2, dw, dx, dy, dz, g_log_opacity = shape_gradient(
         camera,
         sums,
-        norms,
+        pulls,
         row,
         mask,
         drawn,

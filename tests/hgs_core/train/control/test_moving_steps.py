@@ -55,6 +55,13 @@ def test_what_was_seen_counts_for_density_control(state: TrainState, applied: Ap
     assert state.statistics.count[statics:].any()
 
 
+def test_nothing_is_counted_once_no_round_refines(state: TrainState, applied: Applied) -> None:
+    late = dataclasses.replace(STEPS, density=dataclasses.replace(STEPS.density, start=0.0, end=0.0))
+    applied(MovingSteps(late), state, late)
+    assert state.dynamic_optimiser.steps > 0
+    assert not state.statistics.count.any()
+
+
 def test_equal_iterations_take_equal_steps(state: TrainState, applied: Applied) -> None:
     again = state_of(state.static.map(torch.clone), state.dynamic.map(torch.clone))
     for each in (state, again):
