@@ -107,11 +107,6 @@ ROWS: Mapping[str, Row] = {
             {"train.hold_from": 1.0, "train.average_from": 1.0},
         ),
         Row("equal-steps", "Do smaller steps of what lives shortly help?", {"train.steps_by_life": False}),
-        Row(
-            "relocation",
-            "Is copying by opacity better than refining what is pulled at?",
-            {"train.density.method": "relocation"},
-        ),
         Row("fixed-labels", "Does it help that labels follow the evidence?", {"train.labels.adaptive": False}),
         *(
             Row(

@@ -15,7 +15,6 @@ _SHARE = (0.0, 1.0)
 class DensityConfig:
     """How many splats there may be, and by which rules they are added and removed."""
 
-    method: str = "gradient"  # gradient: clone and split where the loss pulls; relocation: copy by opacity, and jitter
     max_static: int = 80_000  # splat budgets
     max_dynamic: int = 15_000  # splats for every second of a segment
     start: float = 0.04  # shares of the iterations
@@ -36,8 +35,7 @@ class DensityConfig:
         Raises:
             InputError: names the field, the value, and the range or the choices.
         """
-        choices = {"method": ("gradient", "relocation"), "birth_rounds": (0, 1, 2)}
-        check_fields(self, "config.train.density", _DENSITY, choices)
+        check_fields(self, "config.train.density", _DENSITY, {"birth_rounds": (0, 1, 2)})
 
 
 _DENSITY: dict[str, Range] = {

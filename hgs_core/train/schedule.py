@@ -44,7 +44,7 @@ class Schedule:
 
     def are_pulls_counted(self, iteration: int) -> bool:
         """Return whether density control will refine splats by the pulls of this iteration."""
-        return iteration < self.config.density.end * self.config.iterations and self.config.density.method == "gradient"
+        return iteration < self.config.density.end * self.config.iterations
 
     def static_rates(self, iteration: int) -> dict[str, float | Tensor]:
         """Return the step size of every field of the static set; held ones are multiplied by `held_statics`."""

@@ -16,7 +16,6 @@ from hgs_core.train.control.infill import InfillRound
 from hgs_core.train.control.moving_steps import MovingSteps
 from hgs_core.train.control.pruning import PruningRound
 from hgs_core.train.control.relabelling import LabelRound
-from hgs_core.train.control.relocation import NoiseRound, RelocationRound
 from hgs_core.train.control.round import Round, RoundContext
 from hgs_core.train.control.silhouette_steps import SilhouetteSteps
 from hgs_core.train.train_config import TrainConfig
@@ -44,10 +43,7 @@ def rounds(
         found.insert(0, MovingSteps(config))
     if statics_learn:
         found.append(InfillRound(config))
-    if config.density.method == "relocation":
-        found = [NoiseRound(), *found, RelocationRound(config)]
-    else:
-        found.append(DensityRound(config))
+    found.append(DensityRound(config))
     if statics_learn:
         found.append(LabelRound(config))
     return tuple(found)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from typing import TypeVar
+from typing import ClassVar, TypeVar
 
 import torch
 from torch import Tensor
@@ -18,7 +18,7 @@ from hgs_core.render.projection import rotation_matrices
 from hgs_core.render.types import ScreenStatistics
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.train.checkpoint import TrainState
-from hgs_core.train.control.round import BudgetRound, RoundContext
+from hgs_core.train.control.round import RoundContext
 from hgs_core.train.rmsprop import RmsProp
 from hgs_core.train.splat_sets import joined
 from hgs_core.train.train_config import TrainConfig
@@ -32,8 +32,19 @@ _SPLIT_SHRINK = 1.6  # 3DGS: the halves of a split splat are this much smaller
 
 
 @dataclasses.dataclass(frozen=True)
-class DensityRound(BudgetRound):
+class DensityRound:
     """Prunes, clones and splits both sets, each within its own budget; children inherit their parent's label."""
+
+    name: ClassVar[str] = "density"
+    on_host: ClassVar[bool] = True
+    is_long: ClassVar[bool] = False
+    config: TrainConfig
+
+    def due(self, iteration: int) -> bool:
+        """Return whether the round follows this iteration, counted from 0."""
+        config, done = self.config, iteration + 1
+        first, last = (share * config.iterations for share in (config.density.start, config.density.end))
+        return done % config.density.every == 0 and first <= done <= last
 
     def apply(self, state: TrainState, context: RoundContext) -> None:
         """Change the state in place."""

@@ -15,7 +15,7 @@ from hgs_core.train.segment_cuts import CaptureSegment
 from hgs_core.train.train_config import TrainConfig
 from hgs_core.train.training_views import TrainingViews
 
-__all__ = ["BudgetRound", "Round", "RoundContext", "is_after_share", "is_one_of_ten"]
+__all__ = ["Round", "RoundContext", "is_after_share", "is_one_of_ten"]
 
 _FIRST_OF_TEN = 0.1  # share of the iterations that pass before them
 
@@ -51,22 +51,6 @@ class Round(Protocol):
 
     def apply(self, state: TrainState, context: RoundContext) -> None:
         """Change the state in place."""
-
-
-@dataclass(frozen=True)
-class BudgetRound:
-    """The base of rounds that fill the budgets of the sets."""
-
-    name: ClassVar[str] = "density"
-    on_host: ClassVar[bool] = True
-    is_long: ClassVar[bool] = False
-    config: TrainConfig
-
-    def due(self, iteration: int) -> bool:
-        """Return whether the round follows this iteration, counted from 0."""
-        config, done = self.config, iteration + 1
-        first, last = (share * config.iterations for share in (config.density.start, config.density.end))
-        return done % config.density.every == 0 and first <= done <= last
 
 
 def is_after_share(config: TrainConfig, iteration: int, shares: Sequence[float]) -> bool:

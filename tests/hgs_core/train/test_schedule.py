@@ -97,8 +97,6 @@ def test_pulls_count_until_the_last_round_that_refines() -> None:
     schedule = Schedule(CONFIG, extent=1.0, frames=50)
     assert schedule.are_pulls_counted(599)
     assert not schedule.are_pulls_counted(600)
-    relocating = dataclasses.replace(CONFIG, density=dataclasses.replace(CONFIG.density, method="relocation"))
-    assert not Schedule(relocating, extent=1.0, frames=50).are_pulls_counted(0)
 
 
 def test_steps_of_all_but_positions_settle_to_the_share_that_is_left() -> None:

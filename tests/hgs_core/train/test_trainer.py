@@ -138,7 +138,6 @@ def test_equal_configs_give_equal_bits(capture_folder: Path, tmp_path: Path) -> 
         (30, {}),
         (50, {}),
         (30, {"stages": "interleaved"}),
-        (30, {"density": {"method": "relocation"}}),
         (30, {"motion_order": 5}),
         (50, AVERAGED),
         (60, AVERAGED),
@@ -241,20 +240,6 @@ def test_a_slow_training_reports_more_often_than_every_ten_iterations(
     training.run(lambda progress: told.append(progress.done))
     assert sorted(set(told)) == list(range(13))  # 0 while pictures are decoded
     assert training.state.history.curves["iteration"] == [10, 12]
-
-
-def test_relocation_fills_the_budgets_and_learns(capture_folder: Path, tmp_path: Path) -> None:
-    figures: list[float] = []
-    settings = config(
-        coarse_until=0.0,
-        iterations=150,
-        density={"method": "relocation", "prune_contribution": 0.0},
-        labels={"adaptive": False},
-    )
-    training = trainer(capture_folder, tmp_path / "checkpoint.pt", settings)
-    training.run(lambda progress: figures.append(progress.figures["psnr"]))
-    assert figures[-1] > figures[0] + 2
-    assert (len(training.state.static), len(training.state.dynamic)) == (400, 100)
 
 
 def test_training_draws_with_antialiasing_where_the_config_says_so(capture_folder: Path, tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ from torch import Tensor
 
 from hgs_core.render.types import ScreenStatistics
 from hgs_core.scene import DynamicSplats, StaticSplats
-from hgs_core.train.control.density import DensityPlan, refine
+from hgs_core.train.control.density import DensityPlan, DensityRound, refine
 from hgs_core.train.density_config import DensityConfig
 from hgs_core.train.rmsprop import RmsProp
 from hgs_core.train.train_config import LabelConfig, TrainConfig
@@ -28,6 +28,11 @@ def plan(budget: int = 1000, split_scale: float = 0.1) -> DensityPlan:
 
 def pulls(values: list[float]) -> ScreenStatistics:
     return ScreenStatistics(np.array(values, np.float32) * 2, np.full(len(values), 2, np.int32))
+
+
+def test_rounds_lie_every_so_often_between_their_first_and_last_share() -> None:
+    config = TrainConfig(iterations=200, density=DensityConfig(start=0.25, end=0.6, every=30))
+    assert [i + 1 for i in range(200) if DensityRound(config).due(i)] == [60, 90, 120]
 
 
 def visible_statics(count: int) -> StaticSplats[Tensor]:

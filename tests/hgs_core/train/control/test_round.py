@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from hgs_core.train.control import RoundContext
-from hgs_core.train.control.round import BudgetRound, is_after_share, is_one_of_ten
+from hgs_core.train.control.round import is_after_share, is_one_of_ten
 from hgs_core.train.density_config import DensityConfig
 from hgs_core.train.schedule import Schedule
 from hgs_core.train.segment_cuts import CaptureSegment
@@ -22,10 +22,6 @@ CONFIG = TrainConfig(iterations=200, density=DensityConfig(start=0.25, end=0.6, 
 def context(views: TrainingViews, segment: CaptureSegment) -> RoundContext:
     schedule = Schedule(CONFIG, extent=1.0, frames=6)
     return RoundContext(7, 3, schedule, views, segment, views.cameras[0], (1, 1), True)
-
-
-def test_budgets_are_filled_every_so_often_between_their_first_and_last_share() -> None:
-    assert [i + 1 for i in range(200) if BudgetRound(CONFIG).due(i)] == [60, 90, 120]
 
 
 def test_a_share_ends_with_one_iteration() -> None:

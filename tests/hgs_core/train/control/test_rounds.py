@@ -63,13 +63,6 @@ def test_statics_that_do_not_learn_are_neither_added_nor_relabelled() -> None:
     assert list(due(CONFIG, statics_learn=False)) == ["moving steps", "pruning", "births", "density"]
 
 
-def test_relocation_brings_noise_after_every_iteration_and_takes_the_place_of_density_control() -> None:
-    relocation = with_fields(CONFIG, {"density": {"method": "relocation"}}, "config.train")
-    assert len(due(relocation)["noise"]) == 1000
-    assert due(relocation)["density"] == due(CONFIG)["density"]
-    assert type(rounds(relocation, masked=True, statics_learn=True)[5]).__name__ == "RelocationRound"
-
-
 def test_cameras_far_apart_have_rounds_that_ask_no_pictures_to_agree() -> None:
     backdrop = Backdrop((0.0, 0.0, 0.0), (0.0, -1.0, 0.0), 1.0)
     first = rounds(CONFIG, masked=True, statics_learn=True, backdrop=backdrop)
