@@ -151,7 +151,7 @@ def test_splats_behind_a_wall_are_hidden_and_those_before_it_are_drawn_over_it(
 
 
 def test_a_reversed_depth_buffer_hides_splats_behind_a_wall(browser: Browser, address: str, site: Site) -> None:
-    """In a page of its own: what three.js keeps of such a buffer reaches renderers that are made there afterwards."""
+    """In a page of its own: three.js keeps a mark of such a buffer that reaches later renderers of the page."""
     with THREE.page(browser, address) as page, hosting(page, WEBGPU | {"reversedDepthBuffer": True}):
         assert page.evaluate("() => host.renderer.reversedDepthBuffer"), "this browser has no reversed depth"
         asked.require_wall(page, site)
