@@ -6,7 +6,14 @@ import type { Manifest } from "../codec/types";
 import type { CanvasRenderer } from "../renderer/canvas_renderer";
 import { SoftBackground } from "../renderer/soft_background";
 import type { StreamedScene } from "../scene/streamed_scene";
-import type { SceneCanvas } from "./scene_canvas";
+
+/** The canvas of a scene. */
+export interface SwitchedCanvas {
+  readonly renderer: CanvasRenderer;
+  readonly subjectOnly: boolean;
+  /** A frame is due. */
+  invalidate(): void;
+}
 
 /** Duration of a visitor's switch, seconds. */
 const DURATION = 0.35;
@@ -28,7 +35,7 @@ export function fade(scene: StreamedScene, renderer: CanvasRenderer, manifest: M
 }
 
 /** Let the static splats fade or come back that a visitor has just switched; at once where less motion is wanted. */
-export function showSwitch(canvas: SceneCanvas, signal: AbortSignal): void {
+export function showSwitch(canvas: SwitchedCanvas, signal: AbortSignal): void {
   const { renderer } = canvas;
   if (switching.has(renderer) || matchMedia("(prefers-reduced-motion: reduce)").matches) return;
   let shown = Number(canvas.subjectOnly);
