@@ -2,6 +2,8 @@
 
 from hgs_core.codec.encoder.encode import encode_scene
 from hgs_core.codec.encoder.encode_settings import EncodeSettings
+from hgs_core.codec.encoder.kept_splats import kept_chunks
+from hgs_core.codec.encoder.scene_chunks import SceneChunks
 from hgs_core.codec.encoder.utility import SetUtility, Utility
 from hgs_core.codec.format.decode import DecodedChunk, decode_chunk
 from hgs_core.codec.format.format_error import ChunkError
@@ -14,6 +16,7 @@ __all__ = [
     "DecodedChunk",
     "EncodeSettings",
     "Manifest",
+    "SceneChunks",
     "SegmentEntry",
     "SetUtility",
     "SliceEntry",
@@ -22,6 +25,7 @@ __all__ = [
     "decode_chunk",
     "decode_scene",
     "encode_scene",
+    "kept_chunks",
     "load_manifest",
     "read_chunk",
 ]

@@ -33,7 +33,7 @@ def source_of_edit(run: Path, scene_id: str) -> Path:
 
 def ask_edit(run: Path, scene_id: str, document: bytes) -> RunConfig:
     """Write run.json for an edit of the copied scene by a file's `document`, which nobody has read yet."""
-    # A scene is encoded anew with every edit: losses add up, so that each must be small.
+    # A trimmed scene is encoded anew: losses add up, so that each must be small.
     folder, config = RunFolder(run), RunConfig.from_json({"preset": "imported", "encode": {"budget": "high"}})
     write_bytes(run / _EDIT, document)
     folder.replace_spec(RunSpec(source_of_edit(run, scene_id), "", config, without_capture=True, edited=True))

@@ -18,12 +18,13 @@ import numpy as np
 from hgs_core.base.atomic import write_bytes
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import ProgressCallback
-from hgs_core.codec import Manifest, decode_scene, load_manifest
+from hgs_core.codec import Manifest, decode_scene, kept_chunks, load_manifest
 from hgs_core.codec.format.scene_folder import MANIFEST, read_audio
+from hgs_core.edit.deletion import deletion_of
 from hgs_core.edit.splat_list import SplatList, drop_listed
 from hgs_core.edit.viewed_scene import Edit, ViewedScene
 from hgs_core.interchange.changes import Action, Change, nonzero
-from hgs_core.runs.encoding import encode
+from hgs_core.runs.encoding import encode, encode_kept
 from hgs_core.runs.kept_views import KeptViews
 from hgs_core.runs.run_config import RunConfig
 from hgs_core.runs.run_folder import RunFolder, RunSpec
@@ -96,7 +97,8 @@ def edit_run(
     """Make a new run of another, or of an encoded scene, with the scene changed by all `steps` in order.
 
     The run appears whole or not at all; `source` is only read. `budget` is what encoding may lose. `splats` go first;
-    then the encoded scene is edited, also of a run, because lists name its splats.
+    then the encoded scene is edited, also of a run, because lists name its splats. Where an encoded scene only loses
+    splats, nothing is encoded anew: the others decode to the same bits.
 
     Raises:
         InputError: the source cannot be edited, a step refuses it, nothing is left, or `out` is there already.
@@ -105,11 +107,11 @@ def edit_run(
         raise InputError(out, "exists", "choose a new or empty folder for --out")
     given = open_editable(source)
     viewed, changes = given.viewed, list[Change]()
-    if splats is not None:
-        encoded = encoded_scene(source)
+    encoded = encoded_scene(source) if splats is not None or (source / MANIFEST).is_file() else None
+    if splats is not None and encoded is not None:
         viewed = dataclasses.replace(viewed, scene=decode_scene(encoded))
         steps = [partial(_without, splats, load_manifest(encoded)), *steps]
-    before = len(viewed.scene.static) + viewed.scene.dynamic_splats
+    first, before = viewed, len(viewed.scene.static) + viewed.scene.dynamic_splats
     for step in steps:
         edit = step(viewed)
         viewed, changes = edit.viewed, [*changes, *edit.changes]
@@ -120,7 +122,11 @@ def edit_run(
     temporary = out.absolute().parent / f".{out.name}.{secrets.token_hex(6)}.tmp"
     try:
         _write(RunFolder(temporary), source, given, viewed, changes, budget)
-        encode(temporary, progress)
+        deletion = None if encoded is None else deletion_of(first, viewed)
+        if encoded is None or deletion is None:
+            encode(temporary, progress)
+        else:
+            encode_kept(temporary, kept_chunks(encoded, deletion.static, deletion.moving), progress)
         _carry_sound(source, temporary / "scene", viewed.begins)
         totals = load_manifest(temporary / "scene").totals
         kept = totals.splats_static + totals.splats_dynamic

@@ -10,16 +10,20 @@ import shutil
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from hgs_core.base.progress import Progress, ProgressCallback, interruptible
 from hgs_core.runs.run_folder import RunFolder
 
 if TYPE_CHECKING:
+    from hgs_core.base.arrays import Floats
+    from hgs_core.codec import SceneChunks
     from hgs_core.codec.format.manifest import Manifest
     from hgs_core.fit.encoding_loss import Decibels
+    from hgs_core.fit.encoding_views import EncodeViews
+    from hgs_core.scene.splats import HybridScene
 
-__all__ = ["Encoded", "encode", "encode_again"]
+__all__ = ["Encoded", "encode", "encode_again", "encode_kept"]
 
 
 @dataclass(frozen=True)
@@ -55,14 +59,9 @@ def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, f
     Raises:
         InputError: the run is not trained yet, or its capture is gone or has changed, or its masks cannot be read.
     """
-    from hgs_core.codec import encode_scene
     from hgs_core.fit.coarseness import fine_tune_iterations, fit
-    from hgs_core.fit.find_seen_limits import with_seen_limits
     from hgs_core.fit.measured_utility import measure_utility
-    from hgs_core.render.thumbnail import thumbnail
     from hgs_core.runs.encode_inputs import trained_scene, training_states, views_of_run
-    from hgs_core.runs.sound import scene_sound
-    from hgs_core.runs.training import told_of_training
 
     folder = RunFolder(run)
     spec = folder.read_spec()
@@ -92,32 +91,59 @@ def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, f
         trained=lambda done: progress(Progress("encode", 1 + done, steps)),
     )
     progress(Progress("encode", steps - 2, steps))
-    starts = views.start_views(found.scene)
-    progress(Progress("encode", steps - 1, steps))
-    summary = json.loads(folder.train_summary.read_text())
-    training = told_of_training(summary) | {
+    lost = {
         "encoding_loss": round(found.loss.whole, 4),
         "encoding_loss_moving": None if found.loss.moving is None else round(found.loss.moving, 4),
     }
-    manifest = encode_scene(
-        found.scene,
+    manifest = _write(folder, views, found.scene, lost, settings=found.settings, utility=found.utility)
+    progress(Progress("encode", steps, steps))
+    settings = found.settings
+    return Encoded(
+        manifest, settings.coarseness, settings.dynamic_share, found.loss, len(scene.static), scene.dynamic_splats
+    )
+
+
+@interruptible()
+def encode_kept(run: Path, chunks: SceneChunks, progress: ProgressCallback) -> None:
+    """Write the scene folder of scene.npz of `chunks` that hold its splats already, without a loss.
+
+    Raises:
+        InputError: a file of the run is damaged.
+    """
+    from hgs_core.runs.encode_inputs import trained_scene, views_of_run
+
+    folder = RunFolder(run)
+    scene = trained_scene(folder)
+    progress(Progress("encode", 0, 1))
+    _write(folder, views_of_run(folder, folder.read_spec(), scene), scene, {}, chunks=chunks)
+    progress(Progress("encode", 1, 1))
+
+
+def _write(
+    folder: RunFolder, views: EncodeViews, scene: HybridScene[Floats], told: dict[str, Any], **how: Any
+) -> Manifest:
+    """Write the scene folder; `how` is the rest of the arguments of `encode_scene`."""
+    from hgs_core.codec import encode_scene
+    from hgs_core.fit.find_seen_limits import with_seen_limits
+    from hgs_core.render.thumbnail import thumbnail
+    from hgs_core.runs.sound import scene_sound
+    from hgs_core.runs.training import told_of_training
+
+    starts = views.start_views(scene)
+    summary = json.loads(folder.train_summary.read_text())
+    return encode_scene(
+        scene,
         folder.scene,
         cameras=views.cameras,
         closer=views.closer,
         times=views.times,
         title=views.title,
-        settings=found.settings,
-        thumbnail=partial(thumbnail, found.scene, views.first_camera(starts)),
-        training=training,
-        utility=found.utility,
+        thumbnail=partial(thumbnail, scene, views.first_camera(starts)),
+        training=told_of_training(summary) | told,
         trained=views.rig,
-        narrowed=partial(with_seen_limits, scene=found.scene, cameras=views.rig),
+        narrowed=partial(with_seen_limits, scene=scene, cameras=views.rig),
         start_views=starts,
         up=views.up,
-        audio=scene_sound(folder, spec, views.capture, found.scene.start, found.scene.end),
-    )
-    progress(Progress("encode", steps, steps))
-    settings = found.settings
-    return Encoded(
-        manifest, settings.coarseness, settings.dynamic_share, found.loss, len(scene.static), scene.dynamic_splats
+        audio=scene_sound(folder, folder.read_spec(), views.capture, scene.start, scene.end),
+        **how,
     )

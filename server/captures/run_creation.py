@@ -7,10 +7,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
-import threading
-import time
-from collections import OrderedDict
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,15 +17,14 @@ from hgs_core.runs.given_files import GivenFiles
 from hgs_core.runs.run_config import RunConfig
 from hgs_core.runs.run_folder import RunFolder
 from server.captures.capture_readers import CaptureReaders, ReaderEndedError, answered
+from server.captures.reading_cache import KEPT_SECONDS, ReadingCache, files_mark
 
-__all__ = ["LimitedCreation", "files_mark"]
+__all__ = ["LimitedCreation"]
 
 _SECONDS = 600  # processor time: every packet of hours of video is read
 _WALL_SECONDS = 1800.0
 _MOST_KEPT = 200
 _LARGEST_KEPT = 1 << 20  # bytes of a run.json
-_KEPT_SECONDS = 600.0  # time to remember that a capture crashed its reader: the machine may have been at fault
-_DEEPEST = 6  # levels below a capture
 
 
 @dataclass(frozen=True)
@@ -39,7 +34,7 @@ class _Kept:
     config: RunConfig | None = None
     spec: bytes = b""
     refusal: InputError | None = None
-    until: float = float("inf")  # seconds of the monotonic clock
+    seconds: float = float("inf")  # time to remember it
 
 
 class LimitedCreation:
@@ -47,8 +42,7 @@ class LimitedCreation:
 
     def __init__(self, readers: CaptureReaders) -> None:
         self._readers = readers
-        self._kept: OrderedDict[str, _Kept] = OrderedDict()
-        self._lock = threading.Lock()
+        self._kept = ReadingCache[_Kept](_MOST_KEPT)
 
     def create_run(self, run: Path, capture: Path, config: RunConfig, given: GivenFiles) -> RunConfig:
         """Check the capture and the config and write `run`/run.json, as the pipeline does.
@@ -61,14 +55,10 @@ class LimitedCreation:
         asked = {**files, "config": config.to_json()}
         marks = [files_mark(Path(one)) for one in files.values()]
         key = hashlib.sha256(json.dumps([asked, marks], sort_keys=True).encode()).hexdigest()
-        with self._lock:
-            kept = self._kept.get(key)
-        if kept is None or time.monotonic() > kept.until or (kept.config is not None and not kept.spec):
+        kept = self._kept.get(key)
+        if kept is None or (kept.config is not None and not kept.spec):
             kept = self._look(run, capture, asked)
-            with self._lock:
-                self._kept[key] = kept
-                while len(self._kept) > _MOST_KEPT:
-                    self._kept.popitem(last=False)
+            self._kept.keep(key, kept, seconds=kept.seconds)
         elif kept.spec:
             write_bytes(RunFolder(run).spec, kept.spec)
         if kept.config is None:
@@ -82,25 +72,9 @@ class LimitedCreation:
             (answer,) = self._readers.read("create", request, _WALL_SECONDS)
             found, spec = answered(answer, capture), RunFolder(run).spec
         except ReaderEndedError as error:
-            return _Kept(refusal=error.of(capture), until=time.monotonic() + _KEPT_SECONDS)
+            return _Kept(refusal=error.of(capture), seconds=KEPT_SECONDS)
         except InputError as error:
             return _Kept(refusal=error)
         alone = [one.name for one in run.iterdir()] == [spec.name]  # otherwise there are files that are not cached
         kept = alone and spec.stat().st_size <= _LARGEST_KEPT
         return _Kept(RunConfig.from_json(found["config"]), spec.read_bytes() if kept else b"")
-
-
-def files_mark(path: Path) -> str:
-    """Return a mark that changes with the names, sizes and times of the files at and below a path."""
-    found: list[tuple[str, int, int]] = []
-    waiting = [(str(path), 0)]
-    while waiting:
-        here, depth = waiting.pop()
-        try:
-            status = Path(here).stat()
-            found.append((here, status.st_size, status.st_mtime_ns))
-            with os.scandir(here) as entries:
-                waiting += [(entry.path, depth + 1) for entry in entries if depth < _DEEPEST]
-        except OSError:  # a file, or an unreadable folder
-            continue
-    return hashlib.sha256(repr(sorted(found)).encode()).hexdigest()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 from fastapi import APIRouter, Request, Response
 from starlette.concurrency import run_in_threadpool
@@ -25,14 +24,14 @@ async def captures(request: Request, service: ServiceDep) -> Response:
     return respond_json(request, await service.capture_list.describe())
 
 
-@router.get("/pictures")
-async def pictures(capture: str, service: ServiceDep) -> dict[str, Any]:
+@router.api_route("/pictures", methods=["GET", "HEAD"])
+async def pictures(request: Request, capture: str, service: ServiceDep) -> Response:
     """Show the first picture of each camera of a capture."""
     try:
         found = await service.camera_pictures.of(await run_in_threadpool(locate_capture, service, capture))
     except InputError as error:
         raise _refused(service, error) from error
-    return {"pictures": encodable(found)}
+    return respond_json(request, {"pictures": encodable(found)})
 
 
 def locate_capture(service: Service, capture: str) -> Path:

@@ -1,4 +1,4 @@
-"""Visible splats selected, deleted, and left out of a new scene by a job."""
+"""Visible splats selected, hidden, deleted and listed; tests/web_client/test_edit_application.py applies them."""
 
 from __future__ import annotations
 
@@ -10,13 +10,8 @@ import numpy as np
 import pytest
 
 from benchmarks.viewers.browser import canvas_pixels
-from hgs_core.codec import decode_scene, encode_scene, load_manifest
+from hgs_core.codec import decode_scene, load_manifest
 from hgs_core.edit.splat_list import SplatList
-from hgs_core.scene.camera import Camera, looking_at
-from hgs_core.scene.files import load_scene
-from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSplats
-from jobs.artifacts.artifact_store import ArtifactStore
-from tests.web_client.conftest import serving, site_of
 from tests.web_client.test_view_page import PHONE, viewing
 
 if TYPE_CHECKING:
@@ -181,49 +176,3 @@ def test_a_finger_draws_and_the_camera_stays(browser: Browser, site: Site) -> No
         panel = page.locator(".clean-panel").bounding_box()
         assert panel is not None
         assert panel["y"] > 0.4 * 844  # the upper part of the picture is free
-
-
-def test_apply_makes_a_new_scene_without_the_deleted_splats(browser: Browser, tmp_path: Path) -> None:
-    """A wall, and a floater before it, which goes; the first scene stays."""
-    rng = np.random.default_rng(1)
-    wall = np.stack([*rng.uniform(-1, 1, (2, 150)), np.zeros(150)], axis=1)
-    means = np.concatenate([wall, [[0.0, 0.0, -1.5]]]).astype(np.float32)
-    count = len(means)
-    still = StaticSplats(
-        means,
-        np.full((count, 3), np.log(0.12), np.float32),
-        np.tile(np.float32([1, 0, 0, 0]), (count, 1)),
-        np.full(count, 4.0, np.float32),
-        np.concatenate([np.tile([0.2, 0.5, 0.8], (150, 1)), [[1.0, 1.0, 0.0]]]).astype(np.float32),
-    )
-    run = tmp_path / "studio"
-    cameras = [
-        Camera(name, 160, 100, 150.0, 150.0, 80.0, 50.0, looking_at((x, 0.0, -3.0), np.zeros(3)))
-        for name, x in (("left", -0.4), ("middle", 0.0), ("right", 0.4))
-    ]
-    scene = HybridScene(still, (Segment(0.0, 0.0, DynamicSplats.empty()),))
-    encode_scene(scene, run / "scene", cameras=cameras, times=np.zeros(1), title="Studio", trained=cameras)
-    home = tmp_path / "home"
-    home.mkdir()
-    with serving([run], home, workers=1) as (address,):
-        site = site_of(address, run / "scene")
-        with viewing(browser, site, "?camera=middle", viewport=DESKTOP) as page:
-            begin(page)
-            box(page, (440, 260), (520, 340))
-            wait_for(page, "selected")
-            page.get_by_role("button", name="Delete").click()
-            deleted = wait_for(page, "deleted")
-            page.get_by_role("button", name="Apply").click()
-            page.get_by_role("link", name="Open the new scene").wait_for(timeout=200_000)
-            page.get_by_role("link", name="Open the new scene").click()
-            page.wait_for_url(re.compile(r"/view/studio-[0-9a-f]{8}$"))
-            page.wait_for_function("() => window.hgs !== undefined")
-            page.evaluate("() => window.hgs.ready")
-            made = page.url.rpartition("/")[2]
-            assert page.title() == "Studio · HGS"
-        store = ArtifactStore((home / "store").as_uri())
-        assert {entry.id for entry in store.list_scenes()} == {"studio", made}
-    left = load_scene(home / "runs" / made / "scene.npz").static.means
-    assert deleted < 20  # the wall behind the floater is not seen, but for its rim
-    assert left[:, 2].min() > -1.0
-    assert len(left) == count - deleted

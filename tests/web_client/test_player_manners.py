@@ -201,6 +201,20 @@ def test_the_time_under_the_pointer_is_shown_and_is_where_a_click_goes(browser: 
         assert not bubble.is_visible()
 
 
+def test_on_a_large_screen_controls_grow_and_the_picture_does_not(browser: Browser, site: Site) -> None:
+    with viewing(browser, site, viewport={"width": 1920, "height": 480}) as page:
+        settings = page.get_by_role("button", name="Settings").bounding_box()
+        assert settings
+        assert settings["width"] == pytest.approx(1.18 * 44, abs=0.5)
+        assert page.evaluate("() => window.hgs.state.width") == 1920
+        bar = page.locator(".seek").bounding_box()
+        assert bar
+        knob = 1.18 * 8
+        page.mouse.move(bar["x"] + knob + 0.05 * (bar["width"] - 2 * knob), bar["y"] + bar["height"] / 2)
+        share = page.locator(".bubble").evaluate("(bubble) => Number(bubble.style.getPropertyValue('--at'))")
+        assert share == pytest.approx(0.05, abs=2e-4)
+
+
 def test_a_copied_link_opens_on_the_same_picture(browser: Browser, site: Site) -> None:
     with viewing(browser, site, permissions=["clipboard-read", "clipboard-write"]) as page:
         drag(page, 90)

@@ -33,6 +33,20 @@ PIXELS = """() => {  // every 101st, which would take long to hand over otherwis
   return Array.from({ length: data.length / 404 }, (_, i) => [...data.subarray(404 * i, 404 * i + 3)]);
 }"""
 
+# The green of a corner before a key is pressed, and frame by frame from then on, until it stays.
+SWITCHED = """async (key) => {
+  const seen = [];
+  const look = async () => seen.push((await window.hgs.readPixels()).data[1]);
+  await look();
+  document.querySelector(".player-host").shadowRoot.querySelector(".stage")
+    .dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true, composed: true }));
+  while (seen.length < 20 || seen.at(-1) !== seen.at(-10) || seen.at(-1) === seen[0]) {
+    await new Promise(requestAnimationFrame);
+    await look();
+  }
+  return seen;
+}"""
+
 
 @pytest.fixture(scope="module")
 def rooms(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Site]]:
@@ -63,7 +77,7 @@ def press(page: Page, key: str) -> np.ndarray:
 
 
 def test_a_room_without_a_second_view_comes_with_the_key_and_goes(browser: Browser, rooms: dict[str, Site]) -> None:
-    with viewing(browser, rooms["sparse"]) as page:
+    with viewing(browser, rooms["sparse"], reduced_motion="reduce") as page:
         first = settled(page)
         assert green(first) == 0
         assert red(first) > 0.03
@@ -98,9 +112,17 @@ def test_between_the_cameras_the_room_fades_and_comes_back(browser: Browser, roo
 
 
 def test_a_dense_rig_never_fades_but_with_the_key(browser: Browser, rooms: dict[str, Site]) -> None:
-    with viewing(browser, rooms["dense"], f"?paused=1&t=0.4&{BETWEEN}") as page:
+    with viewing(browser, rooms["dense"], f"?paused=1&t=0.4&{BETWEEN}", reduced_motion="reduce") as page:
         assert green(settled(page)) > ROOM
         assert green(press(page, "h")) == 0
+
+
+def test_the_key_lets_the_room_fade_and_come_back(browser: Browser, rooms: dict[str, Site]) -> None:
+    with viewing(browser, rooms["dense"]) as page:
+        there, *fading, gone = page.evaluate(SWITCHED, "h")
+        assert there > 100
+        assert len({round(green) for green in fading if gone + 2 < green < there - 2}) >= 2
+        assert page.evaluate(SWITCHED, "h")[-1] == pytest.approx(there, abs=1)
 
 
 @pytest.mark.parametrize(

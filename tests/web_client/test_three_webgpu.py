@@ -151,10 +151,21 @@ def test_splats_behind_a_wall_are_hidden_and_those_before_it_are_drawn_over_it(
 
 
 def test_a_reversed_depth_buffer_hides_splats_behind_a_wall(browser: Browser, address: str, site: Site) -> None:
-    """In a page of its own: renderers made there afterwards, without such a buffer, hide the wrong splats."""
+    """In a page of its own: three.js keeps a mark of such a buffer that reaches later renderers of the page."""
     with THREE.page(browser, address) as page, hosting(page, WEBGPU | {"reversedDepthBuffer": True}):
         assert page.evaluate("() => host.renderer.reversedDepthBuffer"), "this browser has no reversed depth"
         asked.require_wall(page, site)
+
+
+def test_after_a_renderer_with_a_reversed_depth_buffer_others_draw_as_ever(
+    browser: Browser, address: str, site: Site
+) -> None:
+    with THREE.page(browser, address) as page:
+        with hosting(page, WEBGPU | {"reversedDepthBuffer": True}):
+            look(page, camera_named(site, "side"))
+            canvas(page)
+        with hosting(page, WEBGPU):
+            asked.require_wall(page, site)
 
 
 def test_a_mesh_before_the_splats_keeps_its_colour_and_one_behind_is_covered(page: Page, site: Site) -> None:

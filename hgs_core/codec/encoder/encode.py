@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -21,15 +20,16 @@ from hgs_core.codec.encoder.encode_dynamic import encode_dynamic_chunk
 from hgs_core.codec.encoder.encode_settings import EncodeSettings
 from hgs_core.codec.encoder.find_captured_space import find_captured_space
 from hgs_core.codec.encoder.prepare import prepare_dynamic, prepare_static
+from hgs_core.codec.encoder.scene_chunks import CodedChunk, SceneChunks
 from hgs_core.codec.encoder.segment_times import Shown, frame_interval, shown_segments
 from hgs_core.codec.encoder.utility import SetUtility, Utility
 from hgs_core.codec.encoder.viewpoint import find_viewpoint
 from hgs_core.codec.format.audio import CodedAudio
 from hgs_core.codec.format.captured_space import CapturedSpace
-from hgs_core.codec.format.chunk import VERSIONS, Box
+from hgs_core.codec.format.chunk import VERSIONS
 from hgs_core.codec.format.decode import DecodedChunk
-from hgs_core.codec.format.manifest import ChunkEntry, Manifest, SegmentEntry, SliceEntry
-from hgs_core.codec.format.scene_folder import CHUNKS, MANIFEST, THUMBNAIL, chunk_id
+from hgs_core.codec.format.manifest import Manifest, SegmentEntry, SliceEntry
+from hgs_core.codec.format.scene_folder import CHUNKS, MANIFEST, THUMBNAIL
 from hgs_core.codec.format.start_views import StartViews
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import HybridScene
@@ -38,15 +38,6 @@ from hgs_core.scene.temporal import lifetime
 __all__ = ["encode_scene"]
 
 Triple = tuple[float, float, float]
-
-
-@dataclass(frozen=True)
-class _Coded:
-    """A chunk's bytes with its entry in the manifest."""
-
-    entry: ChunkEntry
-    data: bytes
-    version: int
 
 
 def encode_scene(
@@ -67,6 +58,7 @@ def encode_scene(
     metres_per_unit: float | None = None,
     up: Triple | None = None,
     audio: CodedAudio | None = None,
+    chunks: SceneChunks | None = None,
 ) -> Manifest:
     """Write `scene` to the folder `out` and return its manifest.
 
@@ -78,7 +70,7 @@ def encode_scene(
     further limits, given also its centre and the scene's `up`. `start_views` are the first views of viewers, else the
     first camera. `metres_per_unit`, above 0, tells headsets how large the scene is, where that is known. `up` is the
     unit vector that points upwards; without it, the mean of the cameras' upward directions. `audio` is the scene's
-    sound, on the clock of `times`.
+    sound, on the clock of `times`. `chunks` hold the scene's splats already.
     Equal arguments give equal bytes. The manifest appears last and atomically; chunks of an earlier scene in the same
     folder are removed after that.
 
@@ -105,15 +97,8 @@ def encode_scene(
     points = np.concatenate(moving) if moving else np.asarray(scene.static.means, np.float64)
     view = find_viewpoint(cameras, points)
     up = view.up if up is None else up
-    seen_by = (*cameras, *closer)
-    static = _static_chunks(scene, seen_by, utility, settings)
-    coded = list(static)
-    slices: list[SliceEntry] = []
-    for shown in segments:
-        known = None if utility is None else utility.dynamic[shown.number]
-        pieces, chunks = _segment_chunks(shown, seen_by, known, settings.of_dynamic, len(coded), scene.antialiased)
-        slices += pieces
-        coded += chunks
+    if chunks is None:
+        chunks = _scene_chunks(scene, segments, (*cameras, *closer), utility, settings)
     space = find_captured_space(trained, view.center, up, moves=scene.dynamic_splats > 0) if trained else None
     if space and narrowed:
         space = narrowed(space, view.center, up)
@@ -129,8 +114,8 @@ def encode_scene(
         extent=view.extent,
         cameras=tuple(cameras),
         segments=tuple(SegmentEntry(segment.start, segment.end) for segment in scene.segments),
-        static=tuple(chunk.entry for chunk in static),
-        slices=tuple(slices),
+        static=tuple(chunk.entry for chunk in chunks.static),
+        slices=chunks.slices,
         thumbnail=thumbnail is not None,
         training=dict(training or {}),
         antialiased=scene.antialiased,
@@ -139,11 +124,30 @@ def encode_scene(
         captured_space=space,
         metres_per_unit=metres_per_unit,
         audio=None if audio is None else audio.entry,
-        version=max([VERSIONS[0], *(chunk.version for chunk in coded)]),
+        version=max([VERSIONS[0], *(chunk.version for chunk in chunks)]),
     )
-    stored = {chunk.entry.id: chunk.data for chunk in coded} | dict(audio.chunks if audio is not None else {})
+    stored = {chunk.entry.id: chunk.data for chunk in chunks} | dict(audio.chunks if audio is not None else {})
     _write(out, manifest, stored, None if thumbnail is None else thumbnail(alone))
     return manifest
+
+
+def _scene_chunks(
+    scene: HybridScene[Floats],
+    segments: Sequence[Shown],
+    cameras: Sequence[Camera],
+    utility: Utility | None,
+    settings: EncodeSettings,
+) -> SceneChunks:
+    static = _static_chunks(scene, cameras, utility, settings)
+    moving: list[CodedChunk] = []
+    slices: list[SliceEntry] = []
+    for shown in segments:
+        known = None if utility is None else utility.dynamic[shown.number]
+        index = len(static) + len(moving)
+        pieces, chunks = _segment_chunks(shown, cameras, known, settings.of_dynamic, index, scene.antialiased)
+        slices += pieces
+        moving += chunks
+    return SceneChunks(tuple(static), tuple(moving), tuple(slices))
 
 
 def _static_chunks(
@@ -151,12 +155,12 @@ def _static_chunks(
     cameras: Sequence[Camera],
     utility: Utility | None,
     settings: EncodeSettings,
-) -> list[_Coded]:
+) -> list[CodedChunk]:
     known = None if utility is None else utility.static
     splats = prepare_static(scene.static, cameras, known, settings, antialiased=scene.antialiased)
 
-    def coded(layer: Layer, index: int) -> _Coded:
-        return _coded(*encode_static_chunk(splats.take(layer.index), settings, index))
+    def coded(layer: Layer, index: int) -> CodedChunk:
+        return CodedChunk.of(*encode_static_chunk(splats.take(layer.index), settings, index))
 
     with core_pool() as pool:
         return list(pool.map(coded, static_layers(splats, settings), itertools.count()))
@@ -169,7 +173,7 @@ def _segment_chunks(
     settings: EncodeSettings,
     index: int,
     antialiased: bool,
-) -> tuple[list[SliceEntry], list[_Coded]]:
+) -> tuple[list[SliceEntry], list[CodedChunk]]:
     """Encode a segment; `index` numbers its first chunk."""
     time = shown.time
     splats = prepare_dynamic(
@@ -177,7 +181,7 @@ def _segment_chunks(
     )
     seconds, limits = slice_limits(time, shown.until, settings)
     count = len(limits) - 1
-    chunks: list[list[tuple[float, _Coded]]] = [[] for _ in range(count)]
+    chunks: list[list[tuple[float, CodedChunk]]] = [[] for _ in range(count)]
     needs: list[list[str]] = [[] for _ in range(count)]
 
     def encoded(layer: Layer, place: int) -> tuple[bytes, DecodedChunk]:
@@ -187,7 +191,7 @@ def _segment_chunks(
     with core_pool() as pool:
         encodings = list(pool.map(encoded, layers, itertools.count(index)))
     for layer, (data, decoded) in zip(layers, encodings, strict=True):
-        chunk = _coded(data, decoded)
+        chunk = CodedChunk.of(data, decoded)
         first, last = _slices_lived_in(decoded, limits)
         chunks[first].append((layer.utility, chunk))
         for later in range(first + 1, last + 1):
@@ -216,11 +220,6 @@ def _slices_lived_in(chunk: DecodedChunk, limits: Doubles) -> tuple[int, int]:
     moments = np.array([start.min(), end.max()], np.float64)
     first, last = np.clip(np.searchsorted(limits, moments, side="right") - 1, 0, len(limits) - 2)
     return int(first), int(last)
-
-
-def _coded(data: bytes, decoded: DecodedChunk) -> _Coded:
-    box: Box = decoded.box
-    return _Coded(ChunkEntry(chunk_id(data), len(data), decoded.count, box), data, decoded.version)
 
 
 def _write(out: Path, manifest: Manifest, chunks: Mapping[str, bytes], thumbnail: bytes | None) -> None:

@@ -31,7 +31,7 @@ from hgs_core.codec.format.decode import DecodedChunk, decode_chunk, time_expone
 from hgs_core.codec.format.quantise import float32_below
 from hgs_core.scene.temporal import evaluate, lifetime
 
-__all__ = ["SegmentTime", "dynamic_numbers", "encode_dynamic_chunk"]
+__all__ = ["SegmentTime", "dynamic_numbers", "encode_dynamic_chunk", "reach"]
 
 LARGEST_ROUNDING = 1.5 + 1e-3  # steps by which a number may be off its value
 LEAST_OFF = 1e-5
@@ -78,7 +78,7 @@ def encode_dynamic_chunk(
     splats = splats.take(order)
     path = Path(*(getattr(path, field.name)[order] for field in dataclasses.fields(path)))
     bounds = _measured(splats, path, chunk, steps)
-    box = outward(*_reach(chunk, time))
+    box = outward(*reach(chunk, time))
     data = pack(dataclasses.replace(container, box=box, bounds=declare(bounds, steps)))
     return data, decode_chunk(data)
 
@@ -151,7 +151,7 @@ def _measured(splats: PreparedDynamics, path: Path, chunk: DecodedChunk, steps: 
     return Bounds(position, steps.blur, shape, opacity, rgb)
 
 
-def _reach(chunk: DecodedChunk, time: SegmentTime) -> tuple[Doubles, Doubles]:
+def reach(chunk: DecodedChunk, time: SegmentTime) -> tuple[Doubles, Doubles]:
     """Return the corners of a box that holds every decoded centre whenever it can be seen."""
     decoded = chunk.dynamic()
     start, end = (np.clip(t, 0.0, time.shown_until) for t in lifetime(decoded))

@@ -13,6 +13,7 @@ from hgs_core.base.progress import silent
 from hgs_core.codec import decode_scene, encode_scene, load_manifest
 from hgs_core.codec.format.audio import AudioEntry, AudioPiece, CodedAudio
 from hgs_core.codec.format.scene_folder import chunk_id, read_audio
+from hgs_core.edit.crop import crop
 from hgs_core.edit.orient import Similarity, orient, turn_about
 from hgs_core.edit.regions import ball_of
 from hgs_core.edit.splat_list import SplatList
@@ -103,6 +104,22 @@ def test_an_encoded_scene_can_be_edited(edited: Path, tmp_path: Path) -> None:
     assert len(load_manifest(tmp_path / "out" / "scene").cameras) == 3
 
 
+def test_an_encoded_scene_that_only_loses_splats_keeps_the_bits_of_the_others(run: Path, tmp_path: Path) -> None:
+    found = edit_run(run / "scene", tmp_path / "out", [lambda v: crop(v, ball_of([0, 0, 0, 0.8]))], silent, "low")
+    before, after = decode_scene(run / "scene"), decode_scene(tmp_path / "out" / "scene")
+    kept = crop(ViewedScene(before, (), np.zeros(1)), ball_of([0, 0, 0, 0.8])).viewed.scene
+    assert 0 < found.kept == len(after.static) + after.dynamic_splats < found.splats
+    for left, right in [
+        (after.static, kept.static),
+        *((a.dynamic, b.dynamic) for a, b in zip(after.segments, kept.segments, strict=True)),
+    ]:
+        for (name, one), (_, other) in zip(left.items(), right.items(), strict=True):
+            np.testing.assert_array_equal(one, other, name)
+    sound = read_audio(tmp_path / "out" / "scene", load_manifest(tmp_path / "out" / "scene"))
+    assert sound is not None
+    assert (tmp_path / "out" / "scene" / "thumbnail.jpg").is_file()
+
+
 def test_an_edited_run_has_no_pictures_to_be_scored_with(edited: Path) -> None:
     with pytest.raises(InputError, match="run: was edited, so that no pictures show the scene as it is now"):
         RunFolder(edited).read_spec().open_capture()
@@ -147,8 +164,6 @@ def test_listed_splats_of_a_run_are_those_of_its_encoded_scene(run: Path, tmp_pa
 
 
 def test_what_is_left_out_is_counted(run: Path, tmp_path: Path) -> None:
-    from hgs_core.edit.crop import crop
-
     found = edit_run(run, tmp_path / "out", [lambda v: crop(v, ball_of([0, 0, 0, 1.0]))], silent, "default")
     assert (found.splats, found.to_json()["changes"][0]["of"]) == (153, 153)
     assert found.splats - sum(change.count or 0 for change in found.changes) == found.kept

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import os
 import sys
 from pathlib import Path
 
@@ -43,8 +44,22 @@ def test_pictures_are_told_by_camera(pictures: CameraPictures, tmp_path: Path) -
     assert asyncio.run(pictures.of(tmp_path / "studio")) == {"a": "data:,", "b": None}
 
 
-def test_a_crash_leaves_the_pictures_before_it(pictures: CameraPictures, tmp_path: Path) -> None:
-    assert asyncio.run(pictures.of(tmp_path / "dies")) == {"a": "data:,"}
+def test_a_crash_leaves_the_pictures_before_it_and_is_not_repeated_at_once(
+    pictures: CameraPictures, tmp_path: Path
+) -> None:
+    for _ in range(2):
+        assert asyncio.run(pictures.of(tmp_path / "dies")) == {"a": "data:,"}
+    assert (tmp_path / "log").read_text().split() == ["dies"]
+
+
+def test_a_capture_is_read_again_when_a_file_of_it_has_changed(pictures: CameraPictures, tmp_path: Path) -> None:
+    file = tmp_path / "studio" / "left" / "0.png"
+    file.parent.mkdir(parents=True)
+    for content in ("first", "first", "other than the first"):
+        file.write_text(content)
+        os.utime(file, (5, 5))
+        assert asyncio.run(pictures.of(tmp_path / "studio"))["a"] == "data:,"
+    assert (tmp_path / "log").read_text().split() == ["studio", "studio"]
 
 
 def test_a_refusal_is_told(pictures: CameraPictures, tmp_path: Path) -> None:
@@ -59,7 +74,8 @@ def test_those_who_ask_at_once_share_a_reader_and_many_captures_wait_in_vain(
 
     async def ask() -> None:
         asked = [asyncio.ensure_future(pictures.of(tmp_path / name)) for name in ("studio", "studio", "park")]
-        await asyncio.sleep(0)
+        while len(pictures._under_way) < 2:
+            await asyncio.sleep(0.01)
         with pytest.raises(ProblemError) as refused:
             await pictures.of(tmp_path / "third")
         assert (refused.value.status, refused.value.code) == (503, "server-busy")

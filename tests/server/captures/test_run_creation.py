@@ -1,7 +1,7 @@
 from __future__ import annotations
 
-import os
 import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -11,9 +11,8 @@ from hgs_core.base.errors import InputError
 from hgs_core.runs.given_files import GivenFiles
 from hgs_core.runs.run_config import RunConfig
 from jobs.home.home import Home
-from server.captures import run_creation as module
 from server.captures.capture_readers import CaptureReaders
-from server.captures.run_creation import LimitedCreation, files_mark
+from server.captures.run_creation import LimitedCreation
 
 READER = """
 import json, os, pathlib, signal, sys
@@ -87,7 +86,7 @@ def test_a_capture_that_ends_its_reader_is_refused_and_tried_again_later(
         with pytest.raises(InputError, match=r"malicious.*\(SIGSEGV\); export the file again, or leave it out"):
             create("dies", run)
     assert looks(tmp_path) == 1
-    monkeypatch.setattr(module.time, "monotonic", lambda: float("inf"))
+    monkeypatch.setattr(time, "monotonic", lambda: float("inf"))
     with pytest.raises(InputError, match="SIGSEGV"):
         create("dies", "three")
     assert looks(tmp_path) == 2
@@ -105,20 +104,3 @@ def test_a_run_of_more_files_is_begun_anew_each_time(create: Callable[..., RunCo
         create("more", run)
         assert (tmp_path / run / "points.npz").exists()
     assert looks(tmp_path) == 2
-
-
-def test_a_mark_changes_with_names_sizes_and_times(tmp_path: Path) -> None:
-    (tmp_path / "a" / "b").mkdir(parents=True)
-    file = tmp_path / "a" / "b" / "c"
-    marks = [files_mark(tmp_path)]
-    file.write_text("1")
-    marks.append(files_mark(tmp_path))
-    file.write_text("12")
-    marks.append(files_mark(tmp_path))
-    os.utime(file, (5, 5))
-    marks.append(files_mark(tmp_path))
-    file.rename(file.with_name("d"))
-    marks.append(files_mark(tmp_path))
-    assert len(set(marks)) == len(marks)
-    assert files_mark(tmp_path) == marks[-1]
-    assert files_mark(tmp_path / "missing") == files_mark(Path("nothing"))

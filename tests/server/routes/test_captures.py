@@ -21,13 +21,14 @@ def test_captures_are_listed_as_a_job_names_them(server: Any) -> None:
     assert server.get("/v1/captures", If_None_Match=listed.headers["etag"]).status_code == 304
 
 
-def test_each_camera_of_a_capture_has_a_picture(server: Any) -> None:
+def test_each_camera_of_a_capture_has_a_picture_that_browsers_keep(server: Any) -> None:
     write_capture(server.captures / "studio", frames=2)
     told = server.get("/v1/captures/pictures?capture=studio")
     assert told.status_code == 200
     pictures = told.json()["pictures"]
     assert len(pictures) > 2
     assert all(one.startswith("data:image/jpeg;base64,") for one in pictures.values())
+    assert server.get("/v1/captures/pictures?capture=studio", If_None_Match=told.headers["etag"]).status_code == 304
 
 
 def test_a_capture_that_is_none_has_no_pictures(server: Any) -> None:

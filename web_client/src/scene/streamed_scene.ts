@@ -25,6 +25,8 @@ export class StreamedScene {
   splatBudget = Number.POSITIVE_INFINITY;
   /** Factor of static splats' opacity in a view, from 0 to 1. */
   still: (view: View) => number = () => 1;
+  /** The same in all views, by `subjectOnly`. */
+  shown = () => Number(!this.subjectOnly);
   readonly #options: SceneOptions;
   readonly #events: SceneEvents;
   readonly #worker: SceneWorker;
@@ -162,7 +164,7 @@ export class StreamedScene {
   /** The current shot of a view: at the playhead, or as near to it as the order `shown` allows. */
   shot(view: View, shown: OrderKey | null = this.orders.shown): Shot {
     const antialiased = this.#options.antialiased ?? this.#manifest?.antialiased ?? false;
-    const still = view.still ?? (this.subjectOnly ? 0 : this.still(view));
+    const still = view.still ?? this.still(view) * this.shown();
     const shot = { ...view, time: 0, antialiased, rig: this.#rig, still };
     if (!shown || !this.#manifest || !this.#playback) return shot;
     this.#pictureTime = drawnTime(shown, this.#playback.clock.time);

@@ -33,6 +33,7 @@ import type { Shot } from "../renderer/shot";
 import type { SplatSink } from "../renderer/splat_drawer";
 import { TargetCopy, toLinear, toSrgb, wholeViewport } from "./light_nodes";
 import { NodeTextures } from "./node_textures";
+import { matchOutputCamera } from "./output_camera";
 import { splatBox } from "./splat_box";
 import { splatInputs, splatNodes } from "./splat_nodes";
 import { threePicture } from "./three_camera";
@@ -110,6 +111,7 @@ export class NodeSplats implements ThreeDrawer<WebGPURenderer> {
     if (!("isWebGPURenderer" in renderer)) {
       throw new Error("this renderer is no WebGPURenderer: import HgsScene from @hgs/player/three instead");
     }
+    matchOutputCamera(renderer);
     if (renderer.xr.isPresenting) {
       throw new Error("headsets show splats by a WebGLRenderer only: import HgsScene from @hgs/player/three instead");
     }

@@ -3,6 +3,7 @@
 import type { FlyMode } from "../camera/fly_mode";
 import { element } from "../dom/element";
 import { formatTime } from "../dom/format";
+import { showSwitch } from "../player/fading";
 import type { HgsPlayer } from "../player/hgs_player";
 import { toggleMuted } from "../sound/muting";
 import { type Bookmarks, neighbour, toggled } from "./bookmarks";
@@ -145,6 +146,7 @@ export class PlayerActions {
     const { player } = this;
     if (!this.hasSubject) return;
     player.subjectOnly = !player.subjectOnly;
+    if (player.scene) showSwitch(player.scene, player.disposed);
     this.#done(player.subjectOnly ? "Only what moves" : "Everything");
   }
 

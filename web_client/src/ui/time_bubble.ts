@@ -6,7 +6,7 @@ import { adoptStyle } from "../dom/shadow_style";
 import type { HgsPlayer } from "../player/hgs_player";
 import css from "./time_bubble.css?inline";
 
-/** Half of the knob's width, CSS pixels: the distance of the bar's first and last moment from its ends. */
+/** Half of the knob's width, the bar's own pixels: the distance of the bar's first and last moment from its ends. */
 const KNOB = 8;
 
 /** Show the moment under the pointer from now on; for a finger only while the knob is `dragged`. */
@@ -21,7 +21,8 @@ export function showTimes(
   const point = ({ clientX, pointerType }: PointerEvent): void => {
     if (pointerType === "touch" && !dragged()) return;
     const { left, width } = bar.getBoundingClientRect();
-    const share = Math.max(0, Math.min(1, (clientX - left - KNOB) / (width - 2 * KNOB)));
+    const knob = (KNOB * width) / (bar.offsetWidth || 1); // the bar is enlarged on large screens
+    const share = Math.max(0, Math.min(1, (clientX - left - knob) / (width - 2 * knob)));
     setText(bubble, formatTime(share * player.duration));
     bubble.style.setProperty("--at", share.toFixed(4));
     bubble.hidden = false;
