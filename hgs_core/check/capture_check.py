@@ -85,7 +85,7 @@ def check_capture(capture: Capture, progress: ProgressCallback = silent) -> Capt
     findings += judge_number(seen.cameras) + judge_masks(names, [view.masks for view in seen.views])
     given, about_given = judge_given_depth(capture)
     findings += about_given
-    findings += judge_rates(capture.path, names) + judge_interlacing(capture)
+    findings += judge_rates(capture.path, names) + judge_interlacing(capture, [camera.changes for camera in watched])
     errors = suspects.errors if pairs else tuple(camera_errors(len(names), {}, pairs))
     results = tuple(
         CameraResult(
