@@ -56,7 +56,7 @@ _FEATURES_OFF = (
 )
 _FLAGS = [
     f"--disable-features={','.join(_FEATURES_OFF)}",
-    "--disable-gpu-rasterization",  # without a GPU, text and buttons are drawn faster by the processor itself
+    "--disable-gpu-rasterization",  # no GPU: software GL would draw text more slowly
     "--no-sandbox",  # containers rarely allow the sandbox, and only our own page is opened
     "--ignore-gpu-blocklist",
     "--force-color-profile=srgb",

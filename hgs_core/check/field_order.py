@@ -19,9 +19,9 @@ __all__ = ["FieldOrder", "busiest_frames", "field_order"]
 
 _MOVED = 12  # levels
 _LEAST_MOVING = 1000  # pixels
-_LEAN = 0.15  # of whole pictures at most 0.03, of two fields 0.25 to 0.5
+_LEAN = 0.15  # share; whole pictures have at most 0.03, two fields 0.25 to 0.5
 _FRAMES = 3
-_COLUMNS = 640  # that are looked at
+_COLUMNS = 640  # enough for a verdict: wider pictures are thinned out
 
 Lines = Callable[[int], npt.NDArray[np.uint8]]
 """The brightness [H, W] of a camera's picture at a frame, as its file has it."""
@@ -38,7 +38,8 @@ class FieldOrder(Enum):
 def busiest_frames(changes: PictureChanges) -> tuple[int, ...]:
     """Return the watched frames between two others at which most moves, in order; none where nothing does."""
     within = (changes.frames[1:] > 0) & (changes.frames[1:] < changes.count - 1) & (changes.energy > 0)
-    next_to = within & (np.diff(changes.frames) == 1)  # of frames far apart the energy does not tell when it moved
+    # Between frames far apart the energy does not tell when something moved.
+    next_to = within & (np.diff(changes.frames) == 1)
     found = np.flatnonzero(next_to if next_to.any() else within)
     busiest = found[np.argsort(-changes.energy[found], kind="stable")][:_FRAMES]
     return tuple(sorted(int(frame) for frame in changes.frames[1:][busiest]))

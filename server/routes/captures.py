@@ -48,7 +48,7 @@ def locate_capture(service: Service, capture: str) -> Path:
 
 
 def locate_closed_capture(service: Service, capture: str) -> Path:
-    """Return the path of a capture that a client names, none of whose links leads out of the readable folders.
+    """Return the path of a capture that a client names, after a check that its links stay in the readable folders.
 
     Raises:
         ProblemError: 403 or 422, it may not be read, or there is none.
