@@ -16,8 +16,8 @@ _FEWEST = 12  # frames that two cameras must overlap by
 _AGREES = 0.75  # frames
 _LEAST_AGREEMENT = 0.8  # share of the pairs' weight in the median camera; below it all is chance
 _ROUNDS = 30
-# Of 200 subsets of 3 to 6 cameras of panoptic_basketball, which is in step, these leave at most 5 % told apart, of up to
-# 58 %; of samples/studio with a camera 2 or 3 frames late at least 95 %.
+# Of 200 subsets of 3 to 6 cameras of panoptic_basketball, which is in step, these leave at most 5 % told apart, of
+# up to 58 %; of samples/studio with a camera 2 or 3 frames late at least 95 %.
 _LIKENESS = 0.8  # correlation with the others
 _CLEAR = 0.6  # logarithm of how much more is unlike the others without the offset
 
