@@ -121,7 +121,7 @@ def lost(page: Page) -> list[str]:
     ("kind", "over_http"),
     [
         ("bare", True),
-        pytest.param("two in a row", True, marks=pytest.mark.slow),  # as "bare"
+        pytest.param("two in a row", True, marks=pytest.mark.slow),  # twin: "bare"
         ("gateway", True),
         ("page", True),
         ("stripped without Upgrade", True),
