@@ -77,12 +77,11 @@ def _odd_cameras(rig: Rig, pairs: Pairs, names: Sequence[str], suspects: Suspect
         off = suspects.errors[camera]
         if camera in told or off is None:
             continue
-        cause = _same_pose(rig, names, camera) or cause_of_camera(rig, pairs, camera, suspects.agreeing)
-        if cause is None:
-            partners = [one for pair, one in pairs.items() if camera in pair]
-            if len(partners) == 1 and partners[0].weight < _BY_CHANCE:
-                continue
-            cause = Cause("no usual mistake explains it", _AGAIN)
+        known = _same_pose(rig, names, camera) or cause_of_camera(rig, pairs, camera, suspects.agreeing)
+        partners = [one for pair, one in pairs.items() if camera in pair]
+        if known is None and len(partners) == 1 and partners[0].weight < _BY_CHANCE:
+            continue
+        cause = known or Cause("no usual mistake explains it", _AGAIN)
         told_of = f"matches lie {off:.1f} px from where its pose says"
         findings.append(cause.finding(off > WRONG, (names[camera],), told_of, names, digits=2))
     return findings
