@@ -108,6 +108,16 @@ class Capture:
         self._check(camera, frame)
         return self._pictures.picture(camera, frame)
 
+    def lines(self, camera: int, frame: int) -> npt.NDArray[np.uint8]:
+        """Return the brightness of one picture [H, W] as its file has it: neither straightened nor made smaller.
+
+        Raises:
+            InputError: the picture is missing or unreadable.
+            IndexError: no such camera or frame.
+        """
+        self._check(camera, frame)
+        return self._pictures.lines(camera, frame)
+
     @property
     def room(self) -> int:
         """Bytes of decoded pictures that can be held for random access."""

@@ -28,6 +28,9 @@ class FrameSource(Protocol):
     def read(self, camera: int, frame: int, neighbours: int) -> tuple[npt.NDArray[np.uint8], Iterable[Neighbour]]:
         """Return the picture [H, W, 3], and up to `neighbours` others that had to be decoded on the way."""
 
+    def read_lines(self, camera: int, frame: int) -> npt.NDArray[np.uint8]:
+        """Return the brightness [H, W] of the picture as its file has it, neither straightened nor reduced."""
+
     def read_mask(self, camera: int, frame: int) -> npt.NDArray[np.bool_] | None:
         """Return the given motion mask [H, W], or None if the capture has none for this camera."""
 
@@ -98,6 +101,15 @@ class HeldPictures:
                 picture.flags.writeable = False
                 self._cache.put(camera, frame, picture)
         return picture
+
+    def lines(self, camera: int, frame: int) -> npt.NDArray[np.uint8]:
+        """Return the brightness [H, W] of a picture as its file has it; it is not held.
+
+        Raises:
+            InputError: it is missing or unreadable.
+        """
+        with self._locks[camera]:
+            return self._source.read_lines(camera, frame)
 
     def hold(self, cameras: Sequence[int], frames: Sequence[int], progress: ProgressCallback) -> None:
         """Decode pictures ahead, on all cores; nothing is done where they do not fit.

@@ -145,6 +145,13 @@ class _Source:
         others = [(ticks[index], self._seen(camera, other)) for index, other in passed if index in ticks]
         return self._seen(camera, picture), others
 
+    def read_lines(self, camera: int, frame: int) -> npt.NDArray[np.uint8]:
+        own, reader = int(self._recording.clock.frames[camera, frame]), self._recording.readers[camera]
+        if isinstance(reader, VideoReader):
+            return reader.lines(own)
+        picture, _ = reader.read(own, 0)
+        return picture[..., 1]
+
     def read_mask(self, camera: int, frame: int) -> npt.NDArray[np.bool_] | None:
         view = self._recording.views[camera]
         mask = self._masks.read(view, int(self._recording.clock.frames[camera, frame]))

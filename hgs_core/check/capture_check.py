@@ -26,7 +26,7 @@ from hgs_core.check.poses_by_motion import PosesByMotion, judge_by_motion
 from hgs_core.check.recordings import judge_number, judge_pictures, judge_rates
 from hgs_core.check.shown_pairs import shown_pairs
 from hgs_core.check.starts_by_features import feature_offsets, match_leads
-from hgs_core.check.starts_by_motion import energy_offsets
+from hgs_core.check.starts_by_motion import clear_offsets, energy_offsets
 from hgs_core.check.suspects import WRONG, find_suspects
 from hgs_core.check.synchronise import FEWEST_FRAMES
 from hgs_core.check.watched_cameras import Death, WatchedCamera, watch_cameras
@@ -55,7 +55,9 @@ def check_capture(capture: Capture, progress: ProgressCallback = silent) -> Capt
     """
     names = [camera.name for camera in capture.cameras]
     watched = _watched(capture, progress)
-    ahead = energy_offsets([camera.energy() for camera in watched])
+    apart = _APART if len(capture.times) >= FEWEST_FRAMES else _APART_IF_SHORT
+    energies = [camera.energy() for camera in watched]
+    ahead = clear_offsets(energies, energy_offsets(energies), apart)
     by_features = all(offset is None for offset in ahead)
     seen = gather(capture, progress, followed=by_features)
     rig = Rig.of(seen.cameras)
@@ -79,13 +81,12 @@ def check_capture(capture: Capture, progress: ProgressCallback = silent) -> Capt
         told = feature_offsets(len(names), leads)
         ahead = [None if camera.mostly_dead else offset for camera, offset in zip(watched, told, strict=True)]
     findings += moving + judge_dead(names, watched)
-    apart = _APART if len(capture.times) >= FEWEST_FRAMES else _APART_IF_SHORT
     findings += _unsynchronous(names, ahead, apart, {name for finding in moving for name in finding.cameras})
     findings += judge_pictures(names, seen.views, _blank(names, watched))
     findings += judge_number(seen.cameras) + judge_masks(names, [view.masks for view in seen.views])
     given, about_given = judge_given_depth(capture)
     findings += about_given
-    findings += judge_rates(capture.path, names) + judge_interlacing(capture)
+    findings += judge_rates(capture.path, names) + judge_interlacing(capture, [camera.changes for camera in watched])
     errors = suspects.errors if pairs else tuple(camera_errors(len(names), {}, pairs))
     results = tuple(
         CameraResult(

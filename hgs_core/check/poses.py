@@ -18,6 +18,7 @@ __all__ = ["judge_poses"]
 POOR = 1.0  # pixels: what a careful calibration stays below
 _SUSPICIOUS = 0.5  # pixels: from here on a lens may be another than it is taken for
 _TELLING = 100  # features of a picture, four times what a match of two takes: smaller pictures may share views unseen
+_BY_CHANCE = 50  # matches; what repeats in a scene lets so many of two cameras alone agree, in the wrong place
 _FAR_AWAY = 1e4  # rigs' extents from the origin; float32 has seven digits
 _AGAIN = "calibrate again, or find poses from the videos with hgs cameras"
 
@@ -76,11 +77,11 @@ def _odd_cameras(rig: Rig, pairs: Pairs, names: Sequence[str], suspects: Suspect
         off = suspects.errors[camera]
         if camera in told or off is None:
             continue
-        cause = (
-            _same_pose(rig, names, camera)
-            or cause_of_camera(rig, pairs, camera, suspects.agreeing)
-            or Cause("no usual mistake explains it", _AGAIN)
-        )
+        known = _same_pose(rig, names, camera) or cause_of_camera(rig, pairs, camera, suspects.agreeing)
+        partners = [one for pair, one in pairs.items() if camera in pair]
+        if known is None and len(partners) == 1 and partners[0].weight < _BY_CHANCE:
+            continue
+        cause = known or Cause("no usual mistake explains it", _AGAIN)
         told_of = f"matches lie {off:.1f} px from where its pose says"
         findings.append(cause.finding(off > WRONG, (names[camera],), told_of, names, digits=2))
     return findings

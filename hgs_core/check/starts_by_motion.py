@@ -10,12 +10,16 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["energy_offsets"]
+__all__ = ["clear_offsets", "energy_offsets"]
 
 _FEWEST = 12  # frames that two cameras must overlap by
 _AGREES = 0.75  # frames
 _LEAST_AGREEMENT = 0.8  # share of the pairs' weight in the median camera; below it all is chance
 _ROUNDS = 30
+# Of 200 subsets of 3 to 6 cameras of panoptic_basketball, which is in step, these leave at most 5 % told apart, of
+# up to 58 %; of samples/studio with a camera 2 or 3 frames late at least 95 %.
+_LIKENESS = 0.8  # correlation with the others
+_CLEAR = 0.6  # logarithm of how much more is unlike the others without the offset
 
 Floats = npt.NDArray[np.float64]
 
@@ -35,6 +39,33 @@ def energy_offsets(
     for index, offset in zip(alive, found, strict=True):
         offsets[index] = offset
     return offsets
+
+
+def clear_offsets(
+    energies: Sequence[Floats | None], offsets: Sequence[float | None], apart: float
+) -> list[float | None]:
+    """Return the offsets; all None where one of more than `apart` frames explains little that none would not.
+
+    Cameras all around a scene see different things move: what they have in common by chance puts them frames apart.
+    """
+    far = [camera for camera, offset in enumerate(offsets) if offset is not None and abs(offset) > apart]
+    clear = all(_is_clear(energies, offsets, camera) for camera in far)
+    return list(offsets) if clear else [None] * len(offsets)
+
+
+def _is_clear(energies: Sequence[Floats | None], offsets: Sequence[float | None], camera: int) -> bool:
+    own, offset = energies[camera], offsets[camera]
+    assert own is not None
+    assert offset is not None
+    likeness, gain = [], []
+    for energy, other in zip(energies, offsets, strict=True):
+        if energy is None or energy is own or other is None:
+            continue
+        shifted = max(0.0, _correlation(own, energy, round(offset - other)))
+        in_step = max(0.0, _correlation(own, energy, round(-other)))
+        likeness.append(shifted)
+        gain.append(float(np.log((1 - in_step**2 + 1e-6) / (1 - shifted**2 + 1e-6))))
+    return bool(likeness) and float(np.median(likeness)) > _LIKENESS and float(np.median(gain)) > _CLEAR
 
 
 def _offsets(energies: Sequence[Floats], farthest: int, least_agreement: float) -> list[float | None]:

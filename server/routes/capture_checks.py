@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 from fastapi import APIRouter, Request, Response
@@ -10,11 +9,10 @@ from fastapi.responses import JSONResponse
 from pydantic import BaseModel, ConfigDict, Field, StrictStr
 from starlette.concurrency import run_in_threadpool
 
-from hgs_core.base.errors import InputError
 from server.captures.check_requests import CaptureCheckRun
 from server.http.problems import ProblemError
 from server.http.request_body import read_json
-from server.routes.captures import locate_capture
+from server.routes.captures import locate_capture, locate_closed_capture
 from server.service import Service, ServiceDep
 
 __all__ = ["router"]
@@ -35,7 +33,7 @@ async def start(request: Request, service: ServiceDep) -> Response:
     """Start the check of a capture."""
     service.origins.require_same_site(request)
     body = await read_json(request, Start)
-    capture = await service.long_work.run(_locate_inside, service, body.capture)
+    capture = await service.long_work.run(locate_closed_capture, service, body.capture)
     return JSONResponse(_told(service, service.capture_checks.start(capture)), 202)
 
 
@@ -52,13 +50,3 @@ def _told(service: Service, check: CaptureCheckRun) -> dict[str, Any]:
     """Return the check object, with paths in its error relative to the server's folders."""
     told = check.to_json()
     return told | {"error": told["error"] and service.captures.shown(told["error"])}
-
-
-def _locate_inside(service: Service, capture: str) -> Path:
-    """Return a capture, after a check that its links stay within the readable folders."""
-    found = locate_capture(service, capture)
-    try:
-        service.captures.require_inner_links(found)
-    except InputError as error:
-        raise ProblemError(422, "capture-invalid", str(error), field="capture") from error
-    return found

@@ -13,7 +13,7 @@ from server.http.encodable import encodable
 from server.http.problem_error import ProblemError
 from server.service import Service, ServiceDep
 
-__all__ = ["locate_capture", "router"]
+__all__ = ["locate_capture", "locate_closed_capture", "router"]
 
 router = APIRouter(prefix="/v1/captures")
 
@@ -44,6 +44,20 @@ def locate_capture(service: Service, capture: str) -> Path:
         return service.captures.locate(capture)
     except InputError as error:
         raise _refused(service, error) from error
+
+
+def locate_closed_capture(service: Service, capture: str) -> Path:
+    """Return the path of a capture that a client names, after a check that its links stay in the readable folders.
+
+    Raises:
+        ProblemError: 403 or 422, it may not be read, or there is none.
+    """
+    found = locate_capture(service, capture)
+    try:
+        service.captures.require_inner_links(found)
+    except InputError as error:
+        raise _refused(service, error) from error
+    return found
 
 
 def _refused(service: Service, error: InputError) -> ProblemError:

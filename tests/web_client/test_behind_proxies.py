@@ -121,7 +121,7 @@ def lost(page: Page) -> list[str]:
     ("kind", "over_http"),
     [
         ("bare", True),
-        ("two in a row", True),
+        pytest.param("two in a row", True, marks=pytest.mark.slow),  # twin: "bare"
         ("gateway", True),
         ("page", True),
         ("stripped without Upgrade", True),
@@ -149,7 +149,10 @@ def test_a_scene_plays_and_says_calmly_what_is_missing(
     assert failed == []
 
 
-@pytest.mark.parametrize("kind", PREFIXED)
+@pytest.mark.parametrize(
+    "kind",  # pages open no stream: those without Upgrade are twins
+    [pytest.param(kind, marks=pytest.mark.slow if "without" in kind else ()) for kind in PREFIXED],
+)
 def test_the_pages_lead_to_one_another_below_a_path(page: Page, proxies: Proxies, kind: str) -> None:
     root, failed = proxies.addresses[kind], lost(page)
     page.goto(f"{root}/")

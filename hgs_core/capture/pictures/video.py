@@ -138,6 +138,10 @@ class VideoReader:
         Raises:
             InputError: the video is damaged.
         """
+        frame, passed = self._found(index, neighbours)
+        return self._picture(frame), passed
+
+    def _found(self, index: int, neighbours: int) -> tuple[av.VideoFrame, list[Neighbour]]:
         key = self._packets.stamps.index(
             self._packets.keys[max(0, bisect_right(self._packets.keys, self._packets.stamps[index]) - 1)]
         )
@@ -148,7 +152,17 @@ class VideoReader:
             self._close()
         raise InputError(self.path, f"frame {index} cannot be decoded", "export the camera's video again")
 
-    def _decoded(self, index: int, key: int, neighbours: int) -> tuple[npt.NDArray[np.uint8], list[Neighbour]] | None:
+    def lines(self, index: int) -> npt.NDArray[np.uint8]:
+        """Return the brightness of frame `index` [H, W] as stored: neither turned nor stretched.
+
+        Raises:
+            InputError: the video is damaged.
+        """
+        frame, _ = self._found(index, 0)
+        plain = self._reformatter.reformat(frame, *self._packets.size, "gray", threads=1)
+        return np.asarray(plain.to_ndarray(), np.uint8)
+
+    def _decoded(self, index: int, key: int, neighbours: int) -> tuple[av.VideoFrame, list[Neighbour]] | None:
         """Return frame `index` as `read` does, decoded from where the decoder is or from `key`; None: it did not come.
 
         Raises:
@@ -171,7 +185,7 @@ class VideoReader:
                     raise InputError(self.path, f"frame {shown} is damaged", "export the camera's video again")
                 self._next = shown + 1
                 if shown == index:
-                    return self._picture(frame), passed
+                    return frame, passed
                 if shown > index:
                     break
                 if index - shown <= neighbours:

@@ -81,6 +81,14 @@ def test_pictures_and_masks_are_straightened(tmp_path: Path) -> None:
     assert mask.any()
 
 
+def test_lines_are_those_of_the_file_neither_straightened_nor_reduced(tmp_path: Path) -> None:
+    view = StraightView.of(Camera("a", 64, 32, 50.0, 50.0, 32.0, 16.0, np.eye(4)), opencv_lens([-0.2], False))
+    capture = recording(tmp_path, views=[view], clock=ticks(1, 4)).capture(downscale=2, cache_bytes=1 << 20)
+    np.testing.assert_array_equal(capture.lines(0, 0), WHOLE[..., 1])
+    with pytest.raises(IndexError):
+        capture.lines(0, 1)
+
+
 def test_what_a_straight_picture_cannot_show_is_said(tmp_path: Path) -> None:
     wide = Camera("a", 64, 32, 20.0, 20.0, 32.0, 16.0, np.eye(4))  # 91 degrees to either side
     view = StraightView.of(wide, Polynomial(fisheye=True))

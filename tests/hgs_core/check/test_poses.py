@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hgs_core.check.epipolar import Rig
+from hgs_core.check.epipolar import Pair, Rig
 from hgs_core.check.poses import judge_poses
 from tests.rigs import rig_and_matches
 
@@ -56,6 +56,22 @@ def test_cameras_none_of_which_shares_a_view_stop_if_their_pictures_would_tell(f
     assert suspects.unjudged == tuple(range(8))
     assert finding.stops == (features == 700)
     assert "8 of 8 cameras share no view" in finding.problem
+
+
+@pytest.mark.parametrize(("count", "partners", "told"), [(40, 1, False), (80, 1, True), (40, 2, True)])
+def test_few_matches_with_one_camera_are_chance_where_no_mistake_explains_them(
+    count: int, partners: int, told: bool
+) -> None:
+    """Camera 7 agrees with others about places where nothing is, by an epipolar geometry that no pose has."""
+    rig, pairs = rig_and_matches()
+    numbers = np.random.default_rng(1)
+    others = [pair for pair in pairs if 7 in pair][:partners]
+    kept = {pair: one for pair, one in pairs.items() if 7 not in pair}
+    for pair in others:
+        first, second = numbers.uniform(50, 400, (2, count, 2))
+        kept[pair] = Pair(first, second, float(count))
+    findings = judge_poses(rig, kept, NAMES)[1]
+    assert [finding.cameras for finding in findings if finding.stops] == ([("cam07",)] if told else [])
 
 
 def test_poor_poses_are_looked_at_and_do_not_stop() -> None:

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hgs_core.check.starts_by_motion import energy_offsets
+from hgs_core.check.starts_by_motion import clear_offsets, energy_offsets
 
 
 def energies(shifts: list[float], frames: int = 60, noise: float = 0.05) -> list[np.ndarray]:
@@ -45,3 +45,22 @@ def test_a_dead_span_does_not_count() -> None:
     seen = energies(shifts)
     seen[1][40:] = np.nan
     assert energy_offsets(seen) == pytest.approx(shifts, abs=0.3)
+
+
+def test_an_offset_that_explains_much_is_clear() -> None:
+    seen = energies([0.0, 3.0, 0.0, 0.0])
+    offsets = energy_offsets(seen)
+    assert clear_offsets(seen, offsets, 1.0) == offsets
+
+
+def test_offsets_that_explain_no_more_than_none_would_are_all_unknown() -> None:
+    """Each camera sees more of its own than all have in common."""
+    numbers = np.random.default_rng(6)
+    seen = [energy + 12 * numbers.random(60) for energy in energies([0.0, 0.0, 0.0, 0.0])]
+    assert clear_offsets(seen, [0.0, 2.0, 0.0, 0.3], 1.0) == [None] * 4
+    assert clear_offsets(seen, [0.0, 0.9, 0.0, 0.3], 1.0) == [0.0, 0.9, 0.0, 0.3]
+
+
+def test_a_camera_without_energy_is_no_witness() -> None:
+    seen: list[np.ndarray | None] = [*energies([0.0, 3.0, 0.0]), None]
+    assert clear_offsets(seen, [0.0, 3.0, 0.0, None], 1.0) == [0.0, 3.0, 0.0, None]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -31,6 +32,9 @@ from hgs_core.train.segment_cuts import cut_into_segments
 from hgs_core.train.train_config import LearningRates, TrainConfig
 from hgs_core.train.trainer import Trainer
 from tests.synthetic import write_capture
+
+Whole = Callable[..., HybridScene[np.ndarray]]
+"""The fixture `whole`."""
 
 
 @pytest.fixture(scope="module")
@@ -73,6 +77,21 @@ def trainer(capture_folder: Path, checkpoint: Path, settings: TrainConfig, sampl
     coefficients = coefficients_of_order(settings.motion_order)
     start = initial_splats(points(), segment.clock, sampled_frames, coefficients=coefficients)
     return Trainer(capture, seen(capture), settings, 0, segment, start, checkpoint)
+
+
+@pytest.fixture(scope="module")
+def whole(capture_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Whole:
+    """Return a function that trains without a stop, once for each config."""
+    found: dict[str, HybridScene[np.ndarray]] = {}
+
+    def trained(settings: TrainConfig, sampled_frames: int = 2) -> HybridScene[np.ndarray]:
+        key = f"{settings} {sampled_frames}"
+        if key not in found:
+            checkpoint = tmp_path_factory.mktemp("whole") / "checkpoint.pt"
+            found[key] = trainer(capture_folder, checkpoint, settings, sampled_frames).run(silent)
+        return found[key]
+
+    return trained
 
 
 def same_bits(one: HybridScene[np.ndarray], two: HybridScene[np.ndarray]) -> bool:
@@ -126,9 +145,8 @@ def test_a_later_segment_leaves_the_needles_of_the_first_alone(capture_folder: P
     assert torch.equal(second.state.static.log_scales, before)
 
 
-def test_equal_configs_give_equal_bits(capture_folder: Path, tmp_path: Path) -> None:
-    one, two = (trainer(capture_folder, tmp_path / name, config()).run(silent) for name in ("a", "b"))
-    assert same_bits(one, two)
+def test_equal_configs_give_equal_bits(capture_folder: Path, tmp_path: Path, whole: Whole) -> None:
+    assert same_bits(whole(config()), trainer(capture_folder, tmp_path / "again.pt", config()).run(silent))
 
 
 @pytest.mark.parametrize(
@@ -144,14 +162,12 @@ def test_equal_configs_give_equal_bits(capture_folder: Path, tmp_path: Path) -> 
     ],
 )
 def test_a_stopped_training_resumes_to_the_same_bits(
-    capture_folder: Path, tmp_path: Path, stop_at: int, changes: dict[str, object]
+    capture_folder: Path, tmp_path: Path, whole: Whole, stop_at: int, changes: dict[str, object]
 ) -> None:
     settings = config(**changes)
 
     def begun(name: str) -> Trainer:  # short lives, for steps by life
         return trainer(capture_folder, tmp_path / name, settings, sampled_frames=6)
-
-    whole = begun("whole.pt").run(silent)
 
     def stop(progress: Progress) -> None:
         if progress.done >= stop_at:
@@ -162,9 +178,10 @@ def test_a_stopped_training_resumes_to_the_same_bits(
     resumed = begun("stopped.pt")
     assert resumed.state.iteration == stop_at
     assert float(share_alive(resumed.state.dynamic).min()) < 0.8
-    assert same_bits(whole, resumed.run(silent))
-    assert whole.segments[0].dynamic.motion.shape[1] == coefficients_of_order(settings.motion_order)
-    assert whole.segments[0].dynamic.motion[:, settings.motion_order].any()
+    expected = whole(settings, sampled_frames=6)
+    assert same_bits(expected, resumed.run(silent))
+    assert expected.segments[0].dynamic.motion.shape[1] == coefficients_of_order(settings.motion_order)
+    assert expected.segments[0].dynamic.motion[:, settings.motion_order].any()
 
 
 def test_the_result_is_the_mean_of_the_splats_of_the_last_iterations(capture_folder: Path, tmp_path: Path) -> None:
@@ -193,26 +210,27 @@ def test_the_mean_begins_anew_where_splats_are_removed(capture_folder: Path, tmp
     assert same_bits(mean, last)
 
 
-def test_killing_loses_no_more_than_the_iterations_since_the_checkpoint(capture_folder: Path, tmp_path: Path) -> None:
+def test_killing_loses_no_more_than_the_iterations_since_the_checkpoint(
+    capture_folder: Path, tmp_path: Path, whole: Whole
+) -> None:
     def kill(progress: Progress) -> None:
         if progress.done >= 30:
             raise RuntimeError("killed")
 
-    whole = trainer(capture_folder, tmp_path / "whole.pt", config()).run(silent)
     checkpoint = tmp_path / "killed.pt"
     with pytest.raises(RuntimeError, match="killed"):
         trainer(capture_folder, checkpoint, config()).run(kill)
     resumed = trainer(capture_folder, checkpoint, config())
     assert 20 <= resumed.state.iteration < 30
-    assert same_bits(whole, resumed.run(silent))
+    assert same_bits(whole(config()), resumed.run(silent))
 
 
 @pytest.mark.parametrize("control", [PruningRound, InfillRound, LabelRound])
 def test_a_stop_amid_a_long_round_loses_no_iteration(
-    capture_folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, control: type[Round]
+    capture_folder: Path, tmp_path: Path, whole: Whole, monkeypatch: pytest.MonkeyPatch, control: type[Round]
 ) -> None:
     """The round has changed the state already; that state is not kept."""
-    whole = trainer(capture_folder, tmp_path / "whole.pt", config()).run(silent)
+    expected = whole(config())
     apply, stopped = control.apply, list[int]()
 
     def stop(self: Round, state: TrainState, context: RoundContext) -> None:
@@ -227,7 +245,7 @@ def test_a_stop_amid_a_long_round_loses_no_iteration(
         trainer(capture_folder, checkpoint, config()).run(silent)
     resumed = trainer(capture_folder, checkpoint, config())
     assert [resumed.state.iteration] == stopped
-    assert same_bits(whole, resumed.run(silent))
+    assert same_bits(expected, resumed.run(silent))
 
 
 def test_a_slow_training_reports_more_often_than_every_ten_iterations(

@@ -3,11 +3,14 @@ from __future__ import annotations
 import asyncio
 import json
 import sys
+from pathlib import Path
 from typing import Any
 
 import httpx
 import pytest
 
+from hgs_core.base.errors import InputError
+from server.captures.capture_folders import CaptureFolders
 from server.captures.check_requests import CaptureChecks
 
 FOUND = {"cameras": [], "findings": [], "stops": False, "frames": [0], "width": 64, "shown": []}
@@ -48,3 +51,14 @@ def test_a_check_is_started_and_followed_to_its_end(server: Any) -> None:
 def test_what_cannot_be_checked_is_refused(server: Any, body: dict[str, Any], status: int, code: str) -> None:
     answer = server.request("POST", "/v1/captures/check", json=body)
     assert (answer.status_code, answer.json()["code"]) == (status, code)
+
+
+def test_a_refused_capture_is_named_without_the_server_s_folder(server: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(folders: CaptureFolders, capture: Path) -> None:
+        raise InputError(capture / "cam00.mp4", "cannot be read")
+
+    monkeypatch.setattr(CaptureFolders, "require_inner_links", refuse)
+    answer = server.request("POST", "/v1/captures/check", json={"capture": "studio"})
+    assert (answer.status_code, answer.json()["code"], answer.json()["field"]) == (422, "capture-invalid", "capture")
+    assert "studio/cam00.mp4: cannot be read" in answer.json()["detail"]
+    assert str(server.captures) not in answer.json()["detail"]

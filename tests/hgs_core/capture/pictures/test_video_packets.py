@@ -76,6 +76,7 @@ def test_pixels_are_made_square_on_request(tmp_path: Path, aspect: Fraction | No
     assert (square.width, square.height) == size
     shown = square.read(3, 0)[0]
     assert shown.shape == (size[1], size[0], 3)
+    assert square.lines(3).shape == (48, 64)
     expected = (np.arange(size[0]) + 0.5) * 256 / size[0] - 2
     assert np.abs(shown[size[1] // 2, 4:-4, 1] - expected[4:-4]).max() < 8
     assert square.notes == (
