@@ -299,7 +299,7 @@ def test_a_missing_scene_has_the_page_of_missing_addresses(browser: Browser, sit
         page.goto(site.address + "/view/nowhere")
         page.get_by_role("heading", name="There is no such scene here").wait_for()
         page.get_by_role("link", name="All scenes").click()
-        page.get_by_role("heading", name="Scenes").wait_for()
+        page.get_by_role("heading", name="Scenes", exact=True).wait_for()
     finally:
         page.close()
 
@@ -337,7 +337,7 @@ def test_list_shows_scenes_and_leads_to_the_player(browser: Browser, site: Site)
     page = browser.new_page()
     try:
         page.goto(site.address)
-        card = page.get_by_role("link", name="Clouds")
+        card = page.get_by_role("link", name="Clouds").first
         card.wait_for()
         assert "KB" in card.inner_text()
         page.wait_for_function("() => [...document.images].every((image) => image.complete && image.naturalWidth > 0)")

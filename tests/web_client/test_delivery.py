@@ -47,7 +47,7 @@ def test_pages_play_within_their_content_security_policy(browser: Browser, site:
         listed = page.goto(site.address)
         assert listed is not None
         assert "default-src 'none'" in listed.headers["content-security-policy"]
-        page.get_by_role("link", name="Clouds").wait_for()
+        page.get_by_role("link", name="Clouds").first.wait_for()
         watched = page.goto(site.page)
         assert watched is not None
         assert "default-src 'none'" in watched.headers["content-security-policy"]
