@@ -21,7 +21,16 @@ from hgs_core.codec.format.decode import DecodedChunk, decode_chunk
 from hgs_core.codec.format.quantise import Grid, fitting_grid, float32_above
 from hgs_core.codec.format.streams import compress, to_planes, transform
 
-__all__ = ["LIMITS", "Numbers", "declare", "encode_static_chunk", "outward", "static_numbers", "write_chunk"]
+__all__ = [
+    "LIMITS",
+    "Numbers",
+    "declare",
+    "encode_static_chunk",
+    "outward",
+    "static_numbers",
+    "stream_of",
+    "write_chunk",
+]
 
 # How many of a chunk's steps an error may reach; an encoder whose choices go beyond is at fault. Shapes have no such
 # limit: how far a turn by a step goes depends on how long and thin a splat is.
@@ -103,7 +112,7 @@ def write_chunk(
     for name, attribute in ATTRIBUTES.items():
         if name == "position":
             planes = morton.to_planes(morton.differences(limbs[order]), grid.bits)
-            streams.append(_stream(attribute, 0, grid, planes, settings))
+            streams.append(stream_of(attribute, 0, grid, planes, settings))
         elif name in numbers:
             values, step = numbers[name]
             streams.append(_smallest(attribute, values[_row_order(attribute, form, order)], step, settings))
@@ -129,13 +138,14 @@ def _smallest(attribute: Attribute, numbers: Whole, step: float, settings: Encod
     else:
         grid, codes = fitting_grid(numbers, step, common=attribute.name in ("log_scale", "rgb"))
     candidates = [
-        _stream(attribute, kind, grid, to_planes(transform(codes, grid.bits, kind), grid.bits), settings)
+        stream_of(attribute, kind, grid, to_planes(transform(codes, grid.bits, kind), grid.bits), settings)
         for kind in attribute.transforms
     ]
     return min(candidates, key=lambda stream: sum(map(len, stream.planes)))
 
 
-def _stream(attribute: Attribute, kind: int, grid: Grid, planes: list[bytes], settings: EncodeSettings) -> Stream:
+def stream_of(attribute: Attribute, kind: int, grid: Grid, planes: list[bytes], settings: EncodeSettings) -> Stream:
+    """Return the stream of planes, which are compressed; `kind` is the transform of their codes."""
     frames = tuple(memoryview(compress(plane, settings.compression_level)) for plane in planes)
     return Stream(attribute.id, attribute.components, kind, grid, frames)
 

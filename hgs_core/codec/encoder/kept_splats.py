@@ -10,17 +10,19 @@ import numpy as np
 
 from hgs_core.base import morton
 from hgs_core.base.arrays import Mask
-from hgs_core.codec.encoder.encode_chunk import outward
+from hgs_core.codec.encoder.encode_chunk import outward, stream_of
 from hgs_core.codec.encoder.encode_dynamic import SegmentTime, reach
 from hgs_core.codec.encoder.encode_settings import EncodeSettings
 from hgs_core.codec.encoder.scene_chunks import CodedChunk, SceneChunks
+from hgs_core.codec.encoder.segment_times import shown_segments
 from hgs_core.codec.format.attributes import BY_ID, Attribute
 from hgs_core.codec.format.chunk import Stream, pack, unpack
 from hgs_core.codec.format.decode import DecodedChunk, decode_chunk
 from hgs_core.codec.format.manifest import Manifest
 from hgs_core.codec.format.scene_folder import chunk_bytes, load_manifest
-from hgs_core.codec.format.streams import Transform, compress, to_planes, transform
+from hgs_core.codec.format.streams import Transform, to_planes, transform
 from hgs_core.codec.format.values import read_codes
+from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSplats
 
 __all__ = ["chunk_of_kept", "kept_chunks"]
 
@@ -32,6 +34,7 @@ def kept_chunks(folder: Path, static: Mask, moving: Sequence[Mask]) -> SceneChun
         InputError: the folder is damaged.
     """
     manifest = load_manifest(folder)
+    times = _times(manifest)
     made: dict[str, CodedChunk] = {}
 
     def keep(entry_id: str, mask: Mask, time: SegmentTime | None) -> None:
@@ -48,7 +51,7 @@ def kept_chunks(folder: Path, static: Mask, moving: Sequence[Mask]) -> SceneChun
         for entry in piece.chunks:
             first = done[piece.segment]
             done[piece.segment] = last = first + entry.splats
-            keep(entry.id, moving[piece.segment][first:last], _time(manifest, piece.segment))
+            keep(entry.id, moving[piece.segment][first:last], times[piece.segment])
     slices = tuple(
         dataclasses.replace(
             piece,
@@ -90,17 +93,16 @@ def chunk_of_kept(data: bytes, keep: Mask, time: SegmentTime | None) -> tuple[by
 
 
 def _stream_of_kept(stream: Stream, attribute: Attribute, rows: Mask) -> Stream:
-    bits = stream.grid.bits
+    bits, kind = stream.grid.bits, Transform(stream.transform)
     codes = read_codes(stream, attribute, len(rows)).T[rows].astype(np.uint32)
     if attribute.morton:
         planes = morton.to_planes(morton.differences(morton.interleave(codes)), bits)
     else:
-        planes = to_planes(transform(codes, bits, Transform(stream.transform)), bits)
-    level = EncodeSettings().compression_level
-    return stream._replace(planes=tuple(memoryview(compress(plane, level)) for plane in planes))
+        planes = to_planes(transform(codes, bits, kind), bits)
+    return stream_of(attribute, kind, stream.grid, planes, EncodeSettings())
 
 
-def _time(manifest: Manifest, number: int) -> SegmentTime:
-    segment, later = manifest.segments[number], manifest.segments[number + 1 :]
-    until, length = (later[0].start if later else segment.end), segment.end - segment.start
-    return SegmentTime(segment.start, segment.end, (until - segment.start) / length if length > 0 else 0.0)
+def _times(manifest: Manifest) -> list[SegmentTime]:
+    """Return the clock of every segment."""
+    segments = tuple(Segment(entry.start, entry.end, DynamicSplats.empty()) for entry in manifest.segments)
+    return [shown.time for shown in shown_segments(HybridScene(StaticSplats.empty(), segments), 1.0)]
