@@ -140,7 +140,7 @@ def outline(capture: Path, camera_format: CameraFormat, file: Path) -> Outline:
     if matched.kind == "photographs":
         return Outline(matched.names, firsts, 1, 0.0)
     if first.video:
-        frames, rate = announced_length(first.files[0])
+        frames, rate, _ = announced_length(first.files[0])
         seconds = frames / rate if frames is not None and rate is not None else None
         return Outline(matched.names, firsts, frames, seconds)
     rate = read_sync(capture).rate or rig.rate or _ASSUMED_RATE

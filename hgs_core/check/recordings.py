@@ -10,7 +10,7 @@ from pathlib import Path
 from hgs_core.base.errors import InputError
 from hgs_core.base.wording import counted
 from hgs_core.capture.footage import find_places
-from hgs_core.capture.pictures.video import announced_length
+from hgs_core.capture.pictures.video import AnnouncedLength, announced_length
 from hgs_core.check.evidence import CameraEvidence
 from hgs_core.check.findings import Finding
 from hgs_core.points.far_apart import stand_far_apart
@@ -20,6 +20,7 @@ __all__ = ["judge_number", "judge_pictures", "judge_rates"]
 
 _FLAT = 0.96  # share of pixels; an object before a plain background leaves more
 _FEW_CAMERAS = 4
+_UNEVEN_FRAMES = 2.0  # frames by which the ends of a video with uneven frames lie anywhere
 
 
 def judge_pictures(names: Sequence[str], views: Sequence[CameraEvidence], blank: Collection[str] = ()) -> list[Finding]:
@@ -48,22 +49,28 @@ def judge_number(cameras: Sequence[Camera]) -> list[Finding]:
 
 
 def judge_rates(path: Path, names: Sequence[str]) -> list[Finding]:
-    """Find videos, called as their cameras, that run at another rate than the others."""
+    """Find videos, called as their cameras, that run at another rate than the others.
+
+    A mean rate of uneven frames is one only if the video ends frames apart: phones drop frames and wait for light.
+    """
     rates: dict[str, Fraction] = {}
+    lengths: dict[str, AnnouncedLength] = {}
     wanted = set(names)
     videos = [one for place in find_places(path) if place.kind == "videos" for one in place.footage]
     for video in videos:
         if video.name in wanted:
             try:
-                rate = announced_length(video.files[0])[1]
+                length = announced_length(video.files[0])
             except InputError:
                 continue  # opening the capture says so where it matters
-            if rate is not None:
-                rates.setdefault(video.name, Fraction(rate).limit_denominator(100_000))
+            if length.rate is not None:
+                rates.setdefault(video.name, Fraction(length.rate).limit_denominator(100_000))
+                lengths.setdefault(video.name, length)
     if not rates:
         return []
-    usual = Counter(rates.values()).most_common(1)[0][0]
-    odd = {name: rate for name, rate in rates.items() if rate != usual}
+    even = [rate for name, rate in rates.items() if lengths[name].even]
+    usual = Counter(even or rates.values()).most_common(1)[0][0]
+    odd = {name: rate for name, rate in rates.items() if rate != usual and _differs(lengths[name], float(usual))}
     findings = []
     for other in sorted(set(odd.values())):
         cameras = tuple(name for name, one in odd.items() if one == other)
@@ -73,3 +80,10 @@ def judge_rates(path: Path, names: Sequence[str]) -> list[Finding]:
         )
         findings.append(Finding(False, cameras, problem, "frames are matched by time stamps: are these right?"))
     return findings
+
+
+def _differs(length: AnnouncedLength, usual: float) -> bool:
+    """Return whether the rate of a video, which has another, is not the usual one with uneven frames."""
+    if length.even or length.rate is None or length.frames is None:
+        return True
+    return length.frames * abs(1 - usual / length.rate) > _UNEVEN_FRAMES

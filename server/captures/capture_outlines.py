@@ -123,7 +123,7 @@ def _outline(path: Path, folders: CaptureFolders) -> tuple[str, Outline]:
     if not content.videos:
         open_capture(path)
         raise InputError(path, "is not a capture")  # unless it has just become one
-    frames, rate = announced_length(path / content.videos[0])
+    frames, rate, _ = announced_length(path / content.videos[0])
     seconds = frames / rate if frames is not None and rate is not None else None
     videos = [path / name for name in content.videos]
     return _VIDEOS_ALONE, Outline(tuple(one.stem for one in videos), tuple(videos), frames, seconds)

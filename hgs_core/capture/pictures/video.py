@@ -6,7 +6,7 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Iterator
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, NamedTuple, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -19,7 +19,7 @@ from hgs_core.capture.pictures.orientation import quarter_turns
 from hgs_core.capture.pictures.picture_cache import Neighbour
 from hgs_core.capture.pictures.video_index import indexed_packets
 from hgs_core.capture.pictures.video_packets import open_stream
-from hgs_core.capture.pictures.video_stream import stated_rate
+from hgs_core.capture.pictures.video_stream import even_rate, stated_rate
 from hgs_core.capture.pictures.wide_colours import wide_colours_of
 
 if TYPE_CHECKING:
@@ -27,11 +27,19 @@ if TYPE_CHECKING:
     from av.container import InputContainer
     from av.video.stream import VideoStream
 
-__all__ = ["VideoReader", "announced_length"]
+__all__ = ["AnnouncedLength", "VideoReader", "announced_length"]
 
 
-def announced_length(path: Path) -> tuple[int | None, float | None]:
-    """Return the number of frames and the frames per second that the header of a video states; None where it does not.
+class AnnouncedLength(NamedTuple):
+    """The length of a video by its header; None where that states nothing."""
+
+    frames: int | None
+    rate: float | None  # frames per second
+    even: bool  # the time between any two frames is the same; otherwise `rate` is a mean
+
+
+def announced_length(path: Path) -> AnnouncedLength:
+    """Return the length that the header of a video states.
 
     Raises:
         InputError: the file is missing or no video.
@@ -41,7 +49,9 @@ def announced_length(path: Path) -> tuple[int | None, float | None]:
     try:
         with open_container(path) as container:
             stream, _ = open_stream(path, container)
-            return stream.frames or None, float(stated_rate(container, stream)) or None
+            even = even_rate(stream)
+            rate = even or stated_rate(container, stream)
+            return AnnouncedLength(stream.frames or None, float(rate) or None, even is not None)
     except (av.FFmpegError, OSError) as error:
         raise unreadable(path, error, "copy or export it again", "the video is unreadable") from error
 

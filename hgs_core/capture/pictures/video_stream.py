@@ -15,9 +15,10 @@ if TYPE_CHECKING:
     from av.container import InputContainer
     from av.video.stream import VideoStream
 
-__all__ = ["stated_rate", "video_stream"]
+__all__ = ["even_rate", "stated_rate", "video_stream"]
 
 _LONG = 0.2  # share of the longest stream's packets; a stream with more is a video, too
+_ROUNDED = Fraction(1, 2)  # frames by which rounded stamps may shift a whole video
 
 
 def video_stream(path: Path, container: InputContainer) -> tuple[VideoStream | None, str]:
@@ -53,3 +54,15 @@ def stated_rate(container: InputContainer, stream: VideoStream) -> Fraction:
     """Return the frames per second that a file states, in its container or else in its stream; 0 if it does not."""
     rates = (stream.codec_context.framerate,) if is_bare(container) else (stream.average_rate, stream.guessed_rate)
     return next((Fraction(rate) for rate in rates if rate), Fraction(0))
+
+
+def even_rate(stream: VideoStream) -> Fraction | None:
+    """Return the rate, frames per second, at which all stamps of a stream lie up to their rounding; None: at no rate.
+
+    The mean rate of a short video is off by percents where stamps are rounded, for its header counts the last frame's
+    time as it likes.
+    """
+    mean, even = stream.average_rate, stream.base_rate
+    if mean and even and stream.frames and abs(mean / even - 1) * stream.frames < _ROUNDED:
+        return Fraction(even)
+    return None

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from collections.abc import Iterable
 from fractions import Fraction
 from pathlib import Path
 
@@ -36,17 +37,41 @@ def test_few_cameras_beside_each_other_and_few_all_around_are_told_apart() -> No
     assert judge_number(ring_of_cameras(4, 64, 48)) == []
 
 
+def filmed(path: Path, stamps: Iterable[float], ticks: int = 90_000) -> None:
+    """Write black pictures with time stamps, seconds, rounded to ticks."""
+    with av.open(str(path), "w") as file:
+        stream = file.add_stream("libx264", rate=30)
+        stream.width, stream.height, stream.pix_fmt = 64, 48, "yuv420p"
+        stream.time_base = stream.codec_context.time_base = Fraction(1, ticks)
+        for stamp in stamps:
+            frame = av.VideoFrame.from_ndarray(np.zeros((48, 64, 3), np.uint8), format="rgb24")
+            frame.pts, frame.time_base = round(stamp * ticks), stream.time_base
+            file.mux(stream.encode(frame))
+        file.mux(stream.encode(None))
+
+
 def test_a_video_at_another_rate_is_named_with_the_time_in_which_it_drifts_by_a_frame(tmp_path: Path) -> None:
-    for name, rate in (("a", Fraction(30)), ("b", Fraction(30000, 1001)), ("c", Fraction(30))):
-        with av.open(str(tmp_path / f"{name}.mp4"), "w") as file:
-            stream = file.add_stream("libx264", rate=rate)
-            stream.width, stream.height, stream.pix_fmt = 64, 48, "yuv420p"
-            for _ in range(4):
-                frame = av.VideoFrame.from_ndarray(np.zeros((48, 64, 3), np.uint8), format="rgb24")
-                file.mux(stream.encode(frame))
-            file.mux(stream.encode(None))
+    for name, rate in (("a", 30), ("b", 30 / 1.001), ("c", 30)):
+        filmed(tmp_path / f"{name}.mp4", np.arange(4) / rate)
     (finding,) = judge_rates(tmp_path, ["a", "b", "c"])
     assert finding.cameras == ("b",)
     assert "29.97" in finding.problem
     assert "33 s" in finding.problem
     assert judge_rates(tmp_path, ["a", "c"]) == []
+
+
+def test_rounded_stamps_of_a_short_video_are_no_other_rate(tmp_path: Path) -> None:
+    filmed(tmp_path / "a.mp4", np.arange(20) / 25)
+    filmed(tmp_path / "b.mp4", np.arange(20) / 25, ticks=15_360)
+    assert judge_rates(tmp_path, ["a", "b"]) == []
+
+
+def test_uneven_frames_are_another_rate_once_they_are_frames_apart(tmp_path: Path) -> None:
+    steps = np.where(np.arange(1, 20) % 4 == 0, 2 / 30, 2 / 90)
+    for name in ("a", "b", "d"):
+        filmed(tmp_path / f"{name}.mp4", np.arange(20) / 30)
+    filmed(tmp_path / "c.mp4", np.cumsum([0, *steps]))
+    assert judge_rates(tmp_path, NAMES) == []
+    filmed(tmp_path / "c.mp4", np.cumsum([0, *np.tile(steps[:3], 20)]))
+    (finding,) = judge_rates(tmp_path, NAMES)
+    assert finding.cameras == ("c",)

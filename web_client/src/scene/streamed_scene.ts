@@ -196,12 +196,16 @@ export class StreamedScene {
     this.#worker.dispose();
   }
 
-  /** Whether the shown order contains all splats alive at its time, or at that of `wanted` if the scene rests. */
+  /**
+   * Whether the shown order contains all splats alive at its time, or at that of `wanted` if the scene rests, and static
+   * splats are in the middle of no switch.
+   */
   #settled(wanted: OrderKey): boolean {
     const { shown } = this.orders;
     const playback = this.#playback;
     if (
       this.#chunks.restoring ||
+      this.shown() % 1 > 0 ||
       !shown?.exact ||
       !playback?.buffer.staticComplete ||
       !playback.buffer.ready(shown.time) ||

@@ -258,6 +258,16 @@ describe("a scene that is too large", () => {
     expect(scene.playback?.buffer.ranges()).toEqual([[2, 4]]);
   });
 
+  it("is not settled while static splats fade", () => {
+    beginLong();
+    scene.step(0, [view(0)]);
+    answer();
+    scene.shown = () => 0.5;
+    expect(scene.step(16, [view(0)])?.settled).toBe(false);
+    scene.shown = () => 0;
+    expect(scene.step(32, [view(0)])?.settled).toBe(true);
+  });
+
   it("goes on showing the last moment, from wherever it is seen, while the base of the next one is missing", () => {
     beginLong();
     scene.step(0, [view(0)]);

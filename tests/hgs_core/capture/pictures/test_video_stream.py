@@ -43,7 +43,7 @@ def test_a_thumbnail_track_before_the_video_is_left_out_and_said(tmp_path: Path,
     assert (reader.width, reader.height, len(reader)) == (64, 48, 12)
     assert abs(int(reader.read(7, 0)[0].mean()) - 100) < 4
     assert reader.notes == ["of its 2 video streams the longest is read: 64x48, 12 frames"]
-    assert announced_length(path)[1] == 30
+    assert announced_length(path).rate == 30
     assert sound_begin(path) == 0
 
 
