@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from threading import Lock
 
 from sqlalchemy.exc import SQLAlchemyError
 
@@ -25,6 +26,7 @@ class KeyDesk:
         self.calls, self.board = calls, calls.board
         self._home = home
         self._made = 0
+        self._rotation = Lock()
 
     def add(self, scope: Scope) -> str:
         """Make a key, and return its name; "" where the database does not answer."""
@@ -46,13 +48,14 @@ class KeyDesk:
         self.calls.note(Act.USE_KEY, name, lambda: self.calls.ask("GET", "/v1/scenes", key=text))
 
     def rotate(self) -> None:
-        """Give all clients a new key, and revoke the one that they had."""
-        old = {text: name for name, text in self.board.keys.items()}.get(self.board.key)
-        if name := self.add(Scope.ADMIN):
-            self.board.key = self.board.keys[name]
-            self.calls.rest(HANDOVER)
-            if old is not None:
-                self.revoke(old)
+        """Give all clients a new key, and revoke the one that they had; one rotation at a time."""
+        with self._rotation:
+            old = {text: name for name, text in self.board.keys.items()}.get(self.board.key)
+            if name := self.add(Scope.ADMIN):
+                self.board.key = self.board.keys[name]
+                self.calls.rest(HANDOVER)
+                if old is not None:
+                    self.revoke(old)
 
     def _noted(self, act: Act, name: str, change: Callable[[KeyTable], object]) -> bool:
         def ask() -> Answer:

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
 from pathlib import Path
 from typing import Any
@@ -30,6 +31,16 @@ def test_a_rotation_gives_all_a_new_key_and_revokes_the_old_one(
     desk.rotate()
     assert board.key != first
     assert names(home) == ["client-2"]
+
+
+def test_rotations_that_come_together_revoke_each_key_once(scripted: Scripted, tmp_path: Path) -> None:
+    home = Home.at(tmp_path)
+    desk = KeyDesk(scripted(lambda method, path, body: Answer(200)), home)
+    desk.rotate()
+    with ThreadPoolExecutor(2) as pool:
+        for rotation in [pool.submit(desk.rotate) for _ in range(2)]:
+            rotation.result()
+    assert names(home) == ["client-3"]
 
 
 def test_an_absent_database_is_no_answer(
