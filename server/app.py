@@ -31,6 +31,7 @@ from server.http.problems import install_problem_handlers
 from server.http.request_log import RequestLog
 from server.http.security_headers import SecurityHeaders
 from server.http.site_root import SiteRoot
+from server.http.stopped_requests import StoppedRequests
 from server.parts import Artifacts, Jobs
 from server.routes import (
     capture_checks,
@@ -146,6 +147,7 @@ def create_app(
             max_age=3600,
         )
     app.add_middleware(HostCheck, hosts=hosts or AllowedHosts())
+    app.add_middleware(StoppedRequests, stopping=service.stopping)
     app.add_middleware(SecurityHeaders)
     app.add_middleware(RequestLog, metrics=metrics)
     app.add_middleware(SiteRoot, root=root)

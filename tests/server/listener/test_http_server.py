@@ -9,6 +9,7 @@ import hashlib
 import json
 import math
 import struct
+import threading
 from collections.abc import AsyncIterator, Awaitable, Callable
 from typing import Any
 
@@ -19,7 +20,9 @@ import websockets
 from websockets.asyncio.client import ClientConnection
 
 from hgs_core.base.errors import InputError
+from jobs.artifacts.artifact_store import SceneEntry
 from jobs.records.job import JobState
+from server.listener import http_server
 from server.listener.http_server import bind, spare_collector
 from server.protocol.messages import MAX_MESSAGE_BYTES, Credit, Hello, Ping, Seek, encode
 from server.routes import stream
@@ -215,6 +218,32 @@ def test_shutdown_closes_streams_and_event_streams_at_once(server: Any, manifest
                 pass
 
     asyncio.run(scenario())
+
+
+def test_a_request_that_outlasts_the_shutdown_is_to_be_sent_again(server: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(http_server, "SHUTDOWN_SECONDS", 0)
+    asked, released = threading.Event(), threading.Event()
+
+    def hang() -> list[SceneEntry]:
+        asked.set()
+        released.wait()
+        return []
+
+    server.artifacts.list_scenes = hang
+
+    async def scenario() -> httpx.Response:
+        async with httpx.AsyncClient(timeout=None) as client:
+            async with running(server.app) as address:
+                answer = asyncio.create_task(client.get(f"http://{address}/v1/scenes"))
+                await asyncio.to_thread(asked.wait)
+            try:
+                return await answer
+            finally:
+                released.set()
+
+    answer = asyncio.run(scenario())
+    assert (answer.status_code, answer.json()["code"]) == (503, "server-busy")
+    assert int(answer.headers["retry-after"]) > 0
 
 
 def test_events_follow_a_job_to_its_end(server: Any) -> None:
