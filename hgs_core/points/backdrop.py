@@ -10,7 +10,7 @@ from __future__ import annotations
 import dataclasses
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +22,7 @@ from hgs_core.base.atomic import write_bytes
 from hgs_core.base.errors import InputError
 from hgs_core.decompose.morphology import box_sum
 from hgs_core.points.far_apart import level, vertical_of
+from hgs_core.points.still_depths import StillDepths
 from hgs_core.points.visibility import pixels_inside
 from hgs_core.scene.camera import Camera
 
@@ -35,6 +36,7 @@ _EYE = 0.3  # its height, share of the radius
 _BLUR = 2  # pixels; radius of the means that are compared
 _LEAST_SHARED = 100  # places in two pictures from which on they are
 _AGREEING = 0.5  # disagreement below which pictures show the same
+_DEPTHS = ".npz"  # ending of the file of given depths
 _FLOOR_SHARE = 0.02  # share of the moving points below the floor: wrong ones
 
 
@@ -45,6 +47,7 @@ class Backdrop:
     centre: tuple[float, ...]  # place on the floor
     up: tuple[float, ...]  # vertical of length one
     radius: float
+    given: StillDepths | None = field(default=None, compare=False)  # depths that come before floor and dome
 
     @property
     def axes(self) -> tuple[Doubles, Doubles]:
@@ -153,21 +156,25 @@ def _disagreement(
 
 
 def save_backdrop(path: Path, backdrop: Backdrop) -> None:
-    """Write a backdrop as JSON; the file appears complete or not at all."""
-    write_bytes(path, json.dumps(dataclasses.asdict(backdrop), indent=1).encode())
+    """Write a backdrop as JSON, and its given depths beside; each file appears complete or not at all."""
+    if backdrop.given is not None:
+        backdrop.given.save(path.with_suffix(_DEPTHS))
+    shape = {"centre": backdrop.centre, "up": backdrop.up, "radius": backdrop.radius}
+    write_bytes(path, json.dumps(shape, indent=1).encode())
 
 
 def load_backdrop(path: Path) -> Backdrop | None:
     """Return the backdrop of a file that `save_backdrop` wrote; None without a file.
 
     Raises:
-        InputError: the file is damaged.
+        InputError: the file or that of the depths is damaged.
     """
     if not path.exists():
         return None
     try:
         read = json.loads(path.read_bytes())
         centre, up = (tuple(map(float, read[name])) for name in ("centre", "up"))
-        return Backdrop(centre, up, float(read["radius"]))
+        radius = float(read["radius"])
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise InputError(path, f"no readable backdrop ({error})", "delete it and run hgs train again") from error
+    return Backdrop(centre, up, radius, StillDepths.load(path.with_suffix(_DEPTHS)))

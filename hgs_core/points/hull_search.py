@@ -1,7 +1,11 @@
-"""First points of cameras that stand far apart: movers on their visual hull, and the still room on its backdrop."""
+"""First points of cameras that stand far apart: movers on their visual hull, and the still room on its backdrop.
+
+Given depths come before both.
+"""
 
 from __future__ import annotations
 
+import dataclasses
 from functools import cached_property
 
 import numpy as np
@@ -9,12 +13,14 @@ import numpy.typing as npt
 
 from hgs_core.decompose.background import sample_frames
 from hgs_core.points.backdrop import Backdrop, find_backdrop
-from hgs_core.points.hull_surface import grid_rays, grid_step, hull_surface
+from hgs_core.points.hull_surface import HullSurface, grid_rays, grid_step, hull_surface
 from hgs_core.points.initial_points import PointSearch, Ranges
 from hgs_core.points.pictures_of_moments import seen_at, still_pictures
 from hgs_core.points.point_cloud import PointCloud
-from hgs_core.points.same_moment import same_moments
+from hgs_core.points.same_moment import SameMoment, same_moments
 from hgs_core.points.scene_flow import point_velocities
+from hgs_core.points.still_depths import StillDepths
+from hgs_core.scene.camera import Camera
 
 __all__ = ["HullSearch"]
 
@@ -35,10 +41,12 @@ class HullSearch(PointSearch):
         parts = []
         for frame in sample_frames(len(self.capture.times), _FLOOR_FRAMES):
             for group in same_moments(self.capture, self.cameras, frame):
-                views, pictures, moving = seen_at(self.capture, group, self.masks)
-                parts.append(hull_surface(views, pictures, moving, _FLOOR_RAYS).xyz)
+                parts.append(self._surface(group, _FLOOR_RAYS).xyz)
         views = [self.capture.cameras[index] for index in self.cameras]
-        return find_backdrop(views, self._still, np.concatenate(parts))
+        found = find_backdrop(views, self._still, np.concatenate(parts))
+        depths = {view.name: self._surfaces.still(index, view) for index, view in zip(self.cameras, views, strict=True)}
+        given = {name: one for name, one in depths.items() if one is not None}
+        return dataclasses.replace(found, given=StillDepths(given)) if given else found
 
     @cached_property
     def _still(self) -> list[tuple[npt.NDArray[np.uint8], npt.NDArray[np.bool_]]]:
@@ -49,7 +57,7 @@ class HullSearch(PointSearch):
         return PointCloud.concatenate([])
 
     def still(self, features: PointCloud, ranges: Ranges, generator: np.random.Generator) -> PointCloud:
-        """Return static points: those of the still pictures on the backdrop."""
+        """Return static points: those of the still pictures at their given depths, else on the backdrop."""
         views = [self.capture.cameras[index] for index in self.cameras]
         pictures = self._still
         step = grid_step([trusted for _, trusted in pictures], self.static_target)
@@ -57,6 +65,10 @@ class HullSearch(PointSearch):
         for camera, (picture, trusted) in zip(views, pictures, strict=True):
             rows, columns, rays = grid_rays(camera, trusted, step)
             depths = self.backdrop.depths(camera.position, rays)
+            normals = self.backdrop.nearest(camera.position + rays * depths[:, None])[1]
+            if self.backdrop.given is not None:
+                given, facing = self.backdrop.given.at(camera, rows, columns)
+                depths, normals = np.where(given > 0, given, depths), np.where(given[:, None] > 0, facing, normals)
             xyz = camera.position + rays * depths[:, None]
             parts.append(
                 PointCloud(
@@ -66,7 +78,7 @@ class HullSearch(PointSearch):
                     np.zeros(len(xyz), np.float32),
                     (step * depths / camera.fx).astype(np.float32),
                     np.zeros((len(xyz), 3), np.float32),
-                    self.backdrop.nearest(xyz)[1].astype(np.float32),
+                    normals.astype(np.float32),
                 )
             )
         return PointCloud.concatenate(parts)
@@ -79,12 +91,11 @@ class HullSearch(PointSearch):
         generator: np.random.Generator,
         features: PointCloud | None = None,
     ) -> PointCloud:
-        """Return at most `count` points of the surface of the hull at a frame."""
+        """Return at most `count` points at a frame, at given depths in the hull, else on its surface."""
         groups = same_moments(self.capture, self.cameras, frame)
         parts = []
         for group in groups:
-            views, pictures, moving = seen_at(self.capture, group, self.masks)
-            found = hull_surface(views, pictures, moving, count // len(groups))
+            found = self._surface(group, count // len(groups))
             chosen = np.sort(generator.permutation(len(found.xyz))[: count // len(groups)])
             xyz = found.xyz[chosen]
             parts.append(
@@ -99,3 +110,9 @@ class HullSearch(PointSearch):
                 )
             )
         return PointCloud.concatenate(parts)
+
+    def _surface(self, group: SameMoment, rays: int) -> HullSurface:
+        def known(view: int, size: Camera) -> npt.NDArray[np.float32] | None:
+            return self._surfaces.at(group.cameras[view], group.frames[view])
+
+        return hull_surface(*seen_at(self.capture, group, self.masks), rays, known)

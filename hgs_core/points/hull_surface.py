@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from hgs_core.base.arrays import Doubles
 from hgs_core.decompose.morphology import dilate
+from hgs_core.points.depth_map import GivenDepth, no_depth
 from hgs_core.points.far_apart import level, vertical_of
 from hgs_core.points.visibility import pixels_inside
 from hgs_core.scene.camera import Camera
@@ -75,22 +76,28 @@ def hull_surface(
     pictures: Sequence[npt.NDArray[np.uint8]],  # [H, W, 3] each
     moving: Sequence[npt.NDArray[np.bool_]],  # [H, W] each
     rays: int,  # how many of them at least, if there are so many, over all pictures
+    known: GivenDepth = no_depth,
 ) -> HullSurface:
     """Return where the rays of a grid of moving pixels enter the hull, at its thickest part along each.
 
     Where people hide each other the hull has parts where nobody is; they are thinner than people. What one picture
     alone shows, such as feet that stand below all others, is as far away on the floor as the nearest of its pixels
-    whose place is known.
+    whose place is known. Known depths that no view denies come before all that.
     """
     grown = soft_masks(moving)
     step = grid_step(moving, rays)
     positions = np.array([camera.position for camera in cameras])
     vertical = vertical_of(cameras)
     found: list[tuple[Doubles, Doubles, Doubles, Doubles]] = []
-    for camera, picture, mask in zip(cameras, pictures, moving, strict=True):
+    for view, (camera, picture, mask) in enumerate(zip(cameras, pictures, moving, strict=True)):
         rows, columns, directions = grid_rays(camera, mask, step)
         far = float(np.linalg.norm(positions - camera.position, axis=1).max())
         depths, inside = _entries(cameras, grown, camera, directions, far)
+        given = known(view, camera)
+        if given is not None:
+            own = given[rows, columns].astype(np.float64)
+            fits = (own > 0) & (views_of_movers(cameras, grown, camera.position + directions * own[:, None]) > 0)
+            depths, inside = np.where(fits, own, depths), inside | fits
         depths, inside = _continued(depths, inside, rows, columns, directions, vertical, _LIKE * camera.height)
         rows, columns, directions, depths = rows[inside], columns[inside], directions[inside], depths[inside]
         found.append(

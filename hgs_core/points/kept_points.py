@@ -4,7 +4,7 @@
 |-----------|------------------------------------------------------------------------|
 | still.npz | static points                                                          |
 | N.npz     | moving points at the moments of segment N                              |
-| backdrop.json | surface of the still points, where cameras stand far apart |
+| backdrop.json | surface of the still points, where cameras stand far apart; backdrop.npz: given depths |
 | near.json | near planes of all cameras, the last file: with it all are there |
 """
 

@@ -106,8 +106,6 @@ def initialise(run: Path, progress: ProgressCallback) -> None:
             run,
             angle_to_next(views),
         )
-        if capture.depth is not None or capture.mesh is not None:
-            log.warning("%s: cameras so far apart use no given depth and no mesh", run)
     search = (HullSearch if far_apart else PointSearch)(
         capture,
         cameras,

@@ -1,4 +1,4 @@
-"""Statics that lie on a backdrop: thin discs in its surface, unless two cameras show where they are."""
+"""Statics that lie at given depths or on a backdrop: thin discs, unless two cameras show where they are."""
 
 from __future__ import annotations
 
@@ -26,12 +26,13 @@ __all__ = ["BackdropRound", "laid_on", "shown_once"]
 
 _EVERY = 10  # iterations
 _LONGEST = 0.02  # longest axis on the floor, share of the radius: wide discs cover the feet behind their middles
+_LEVEL = 0.9  # cosine of the slope up to which a given surface is like a floor
 _THICKNESS = 0.1  # shortest axis, most share of the middle one
 
 
 @dataclass(frozen=True)
 class BackdropRound:
-    """Lays the statics on the backdrop again, but for those in two pictures: these agree on their places."""
+    """Lays the statics in their surface again, but for those in two pictures: these agree on their places."""
 
     name: ClassVar[str] = "backdrop"
     on_host: ClassVar[bool] = True
@@ -47,7 +48,7 @@ class BackdropRound:
         """Change the state in place; the optimiser's moments stay."""
         filled = context.iteration + 1 >= FILLED_AT * self.config.iterations
         rows = torch.from_numpy(shown_once(state.static, context.views.cameras))
-        laid = laid_on(self.backdrop, state.static.take(rows), wide=filled)
+        laid = laid_on(self.backdrop, state.static.take(rows), context.views.cameras, wide=filled)
         state.static.means[rows] = laid.means
         state.static.quats[rows] = laid.quats
         state.static.log_scales[rows] = laid.log_scales
@@ -62,15 +63,22 @@ def shown_once(static: StaticSplats[Tensor], cameras: Sequence[Camera]) -> npt.N
     return np.flatnonzero(pictures < 2)
 
 
-def laid_on(backdrop: Backdrop, static: StaticSplats[Tensor], *, wide: bool = False) -> StaticSplats[Tensor]:
-    """Return statics at the nearest places of the backdrop, with their shortest axes across it, and thin.
+def laid_on(
+    backdrop: Backdrop, static: StaticSplats[Tensor], cameras: Sequence[Camera] = (), *, wide: bool = False
+) -> StaticSplats[Tensor]:
+    """Return statics at their cameras' given depths, else the nearest places of the backdrop, thin and flat in it.
 
     On the floor they are narrow, too, unless `wide`.
     """
-    places, normals = backdrop.nearest(static.means.numpy().astype(np.float64))
+    xyz, up = static.means.numpy().astype(np.float64), np.array(backdrop.up)
+    places, normals = backdrop.nearest(xyz)
+    on_floor = (places - np.array(backdrop.centre)) @ up < 1e-6 * backdrop.radius
+    if backdrop.given is not None:
+        held = backdrop.given.held(cameras, xyz)
+        places[held.rows], normals[held.rows] = held.xyz, held.normals
+        on_floor[held.rows] = np.abs(held.normals @ up) > _LEVEL
     sizes = static.log_scales.numpy().astype(np.float64)
     if not wide:
-        on_floor = (places - np.array(backdrop.centre)) @ np.array(backdrop.up) < 1e-6 * backdrop.radius
         sizes[on_floor] = np.minimum(sizes[on_floor], math.log(_LONGEST * backdrop.radius))
     quats = unit_quaternions(static.quats.numpy())
     rows, thin = np.arange(len(sizes)), sizes.argmin(1)

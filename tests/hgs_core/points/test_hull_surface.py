@@ -66,3 +66,32 @@ def test_feet_that_one_picture_alone_shows_stand_below_the_rest() -> None:
 def test_what_one_camera_alone_has_seen_gives_no_points() -> None:
     alone = [masks()[0], *(np.zeros_like(mask) for mask in masks()[1:])]
     assert len(hull_surface(CAMERAS, PICTURES, alone, 500).xyz) == 0
+
+
+def egg_depths(camera: Camera) -> np.ndarray:
+    """Depths [H, W] at which rays enter the egg, 0 where they miss it."""
+    row, column = (place.ravel() for place in np.mgrid[0 : camera.height, 0 : camera.width])
+    ray = camera.rays(np.stack([column + 0.5, row + 0.5], 1)) / SEMIAXES
+    start = (camera.position - MIDDLE) / SEMIAXES
+    a, b, c = (ray * ray).sum(1), ray @ start, start @ start - 1
+    root = b * b - a * c
+    depths = np.where(root > 0, (-b - np.sqrt(np.maximum(root, 0))) / a, 0)
+    return np.asarray(depths.reshape(camera.height, camera.width).astype(np.float32))
+
+
+def test_known_depths_come_before_the_hull() -> None:
+    def known(view: int, size: Camera) -> np.ndarray | None:
+        return egg_depths(size) if view == 0 else None
+
+    found = hull_surface(CAMERAS, PICTURES, masks(), 1500, known)
+    before = hull_surface(CAMERAS, PICTURES, masks(), 1500)
+    own = np.isclose(before.rgb[:, 0], PICTURES[0][0, 0, 0] / 255)
+    assert np.quantile(np.abs(distance_shares(before.xyz[own]) - 1), 0.8) > 0.05
+    assert np.quantile(np.abs(distance_shares(found.xyz[own]) - 1), 0.8) < 0.01
+    np.testing.assert_array_equal(found.xyz[~own], before.xyz[~own])
+
+
+def test_known_depths_that_other_views_deny_count_for_nothing() -> None:
+    far = hull_surface(CAMERAS, PICTURES, masks(), 600, lambda view, size: egg_depths(size) + np.float32(1.0))
+    before = hull_surface(CAMERAS, PICTURES, masks(), 600)
+    np.testing.assert_array_equal(far.xyz, before.xyz)

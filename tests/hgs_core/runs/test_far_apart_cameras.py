@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 import torch
 
+from hgs_core.base.config_fields import with_fields
 from hgs_core.base.progress import silent
 from hgs_core.points.backdrop import load_backdrop
 from hgs_core.points.hull_surface import soft_masks, views_of_movers
@@ -53,3 +56,22 @@ def test_movers_lie_in_the_body(folder: RunFolder) -> None:
     masks = soft_masks([mask_of(camera, body(2 / (3 * FRAMES))) for camera in CAMERAS])
     inside = views_of_movers(CAMERAS, masks, xyz) > 0
     assert opacity[inside].sum() > 0.9 * opacity.sum()
+
+
+def test_statics_that_one_picture_shows_stay_on_a_given_mesh(tmp_path: Path) -> None:
+    """The mesh is a wall behind the other cameras, before the backdrop."""
+    write_walk(tmp_path / "capture", FRAMES)
+    pixels = np.array([[-99.0, -99.0], [400.0, -99.0], [400.0, 400.0], [-99.0, 400.0]])
+    corners = CAMERAS[0].position + 5.2 * CAMERAS[0].rays(pixels)
+    lines = [*(f"v {x} {y} {z}\n" for x, y, z in corners), "f 1 2 3 4\n"]
+    (tmp_path / "capture" / "mesh.obj").write_text("".join(lines))
+    short = with_fields(CONFIG, {"train": {"iterations": 20}}, "config")
+    create_run(tmp_path / "run", tmp_path / "capture", short)
+    initialise(tmp_path / "run", silent)
+    train(tmp_path / "run", silent)
+    static = load_scene(RunFolder(tmp_path / "run").trained).static.map(torch.from_numpy)
+    xyz = static.take(shown_once(static, CAMERAS)).means.numpy()
+    pixels, depths = CAMERAS[0].project(xyz)
+    seen = CAMERAS[0].shows(pixels, depths)
+    assert seen.sum() > 50
+    assert np.quantile(np.abs(depths[seen] - 5.2), 0.9) < 0.01

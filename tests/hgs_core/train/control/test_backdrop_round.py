@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 import torch
 
 from hgs_core.points.backdrop import Backdrop
+from hgs_core.points.still_depths import StillDepths
 from hgs_core.scene.rotations import matrices
 from hgs_core.train.control.backdrop_round import BackdropRound, laid_on, shown_once
 from hgs_core.train.train_config import TrainConfig
@@ -71,6 +73,36 @@ def test_a_round_lays_down_every_ten_iterations_what_fewer_than_two_pictures_sho
         assert torch.equal(array[::2], getattr(laid, name)[::2]), name
         assert torch.equal(array[1::2], getattr(static, name)[1::2]), name
     assert torch.equal(state.dynamic.motion, dynamic.motion)
+
+
+def test_what_one_camera_shows_is_held_at_its_given_depth() -> None:
+    static, _ = synthetic_scene()
+    view = camera(64, 48)
+    static.log_scales[:] = math.log(0.5)
+    static.means[:] = torch.tensor([30.0, 0.0, 3.0])
+    in_front = view.position + view.rays(np.array([[20.5, 20.5]])) * 2.0
+    static.means[0] = torch.from_numpy(in_front[0])
+    depths = np.full((48, 64), 4.0, np.float32)
+    given = dataclasses.replace(BACKDROP, given=StillDepths({view.name: depths}))
+    laid = laid_on(given, static, [view])
+    expected = view.position + view.rays(np.array([[20.5, 20.5]])) * 4.0
+    np.testing.assert_allclose(laid.means[:1].numpy(), expected, atol=1e-5)
+    thin = laid.log_scales[0].argmin()
+    axis = matrices(laid.quats.numpy().astype(np.float64))[0, :, thin]
+    assert np.abs(axis @ view.world_to_camera[2, :3]) == pytest.approx(1.0, abs=1e-4)
+    assert laid.log_scales[0].max() == pytest.approx(math.log(0.5))  # a wall
+    assert torch.equal(laid.means[1:], laid_on(BACKDROP, static).means[1:])
+
+
+def test_discs_of_given_floors_are_narrow() -> None:
+    static, _ = synthetic_scene()
+    view = camera(64, 48)
+    static.log_scales[:] = math.log(0.5)
+    static.means[:] = torch.from_numpy(view.position + view.rays(np.array([[20.5, 20.5]])) * 2.0)
+    up = tuple(float(value) for value in view.world_to_camera[2, :3])  # the camera looks straight up or down
+    shape = Backdrop(tuple(float(one) for one in view.position), up, 3.0)
+    given = dataclasses.replace(shape, given=StillDepths({view.name: np.full((48, 64), 2.0, np.float32)}))
+    assert laid_on(given, static, [view]).log_scales.max() == pytest.approx(math.log(0.06))
 
 
 @pytest.mark.parametrize(("cameras", "alone"), [(0, True), (1, True), (2, False), (3, False)])
