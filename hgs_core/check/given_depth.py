@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from hgs_core.base.arrays import Doubles
 from hgs_core.base.wording import counted
 from hgs_core.capture.cameras.rigid_poses import MIRROR
 from hgs_core.capture.capture import Capture
@@ -24,6 +25,7 @@ __all__ = ["DepthAgreement", "judge_given_depth"]
 
 _FEWEST = 20  # points that a comparison needs
 _OFF = 0.05  # share by which a scale may be off; the first points tell less than that
+_NEARER = 0.5  # of the nearest point's depth: a mesh there hides what the camera films
 _SPREAD = 0.1  # share by which half of the depths may differ apart from the scale
 
 Depths = npt.NDArray[np.float32]
@@ -77,11 +79,26 @@ def judge_given_depth(capture: Capture) -> tuple[list[str], list[Finding]]:
     if capture.mesh is not None:
         corners = read_mesh(capture.mesh).corners
         corners = corners @ MIRROR[:3, :3] if capture.mirrored else corners
-        drawn = {index: mesh_depth(corners, size) for index, size in enumerate(cameras)}
-        found = _agreement(cameras, points, {index: one for index, one in drawn.items() if one.any()})
+        found = _agreement(cameras, points, _drawn(corners, cameras, points))
+        if found.points < _FEWEST:  # a mesh at a small scale lies before all points
+            found = _agreement(cameras, points, _drawn(corners, cameras, None))
         said.append(found.sentence(f"the mesh {capture.mesh.name}", len(cameras)))
         findings += _findings("the mesh", found, "give it in the world of the cameras, at their scale")
     return said, findings
+
+
+def _drawn(corners: Doubles, cameras: list[Camera], points: SparsePoints | None) -> dict[int, Depths]:
+    """Return the depths of triangles [T, 3, 3] in the pictures that show some, beyond half of the points' nearest."""
+    maps = {}
+    for index, camera in enumerate(cameras):
+        nearest = 0.0
+        if points is not None and points.seen[:, index].any():
+            _, depths = camera.project(points.xyz[points.seen[:, index]])
+            nearest = _NEARER * float(depths.min())
+        drawn = mesh_depth(corners, camera, nearest)
+        if drawn.any():
+            maps[index] = drawn
+    return maps
 
 
 def _agreement(cameras: list[Camera], points: SparsePoints, maps: Mapping[int, Depths]) -> DepthAgreement:

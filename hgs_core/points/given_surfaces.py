@@ -30,10 +30,11 @@ class GivenSurfaces:
     def __init__(self, capture: Capture, masks: MotionMasks) -> None:
         self._capture, self._masks = capture, masks
 
-    def still(self, camera: int, size: Camera) -> Depths | None:
+    def still(self, camera: int, size: Camera, nearest: float = 0.0) -> Depths | None:
         """Return the depths [H, W] of the still scene, in a camera's picture at a size.
 
-        They are the camera's own map, else the median of its maps over time without movers; the mesh fills them up.
+        They are the camera's own map, else the median of its maps over time without movers. The mesh fills them up
+        where it is not nearer than `nearest`.
 
         Raises:
             InputError: a map or the mesh is unreadable.
@@ -44,7 +45,7 @@ class GivenSurfaces:
             found = self._median(camera, size)
         if self._corners is None:
             return found
-        behind = mesh_depth(self._corners, size)
+        behind = mesh_depth(self._corners, size, nearest)
         return behind if found is None else np.where(found > 0, found, behind)
 
     def at(self, camera: int, frame: int) -> Depths | None:

@@ -26,6 +26,7 @@ __all__ = ["HullSearch"]
 
 _FLOOR_FRAMES = 12  # frames whose movers show where the floor is
 _FLOOR_RAYS = 2_000  # rays of each
+_NEARER = 0.25  # of the movers' median depth: a given mesh there hides what the camera films
 
 
 class HullSearch(PointSearch):
@@ -43,9 +44,15 @@ class HullSearch(PointSearch):
             for group in same_moments(self.capture, self.cameras, frame):
                 parts.append(self._surface(group, _FLOOR_RAYS).xyz)
         views = [self.capture.cameras[index] for index in self.cameras]
-        found = find_backdrop(views, self._still, np.concatenate(parts))
-        depths = {view.name: self._surfaces.still(index, view) for index, view in zip(self.cameras, views, strict=True)}
-        given = {name: one for name, one in depths.items() if one is not None}
+        movers = np.concatenate(parts)
+        found = find_backdrop(views, self._still, movers)
+        given = {}
+        for index, view in zip(self.cameras, views, strict=True):
+            _, depths = view.project(movers)
+            nearest = _NEARER * float(np.median(depths[depths > 0])) if (depths > 0).any() else 0.0
+            known = self._surfaces.still(index, view, nearest)
+            if known is not None:
+                given[view.name] = known
         return dataclasses.replace(found, given=StillDepths(given)) if given else found
 
     @cached_property

@@ -15,21 +15,22 @@ _TRIANGLES_AT_ONCE = 1 << 18
 _AT_ONCE = 1 << 22  # pixels that are tried
 
 
-def mesh_depth(corners: Doubles, camera: Camera) -> npt.NDArray[np.float32]:
+def mesh_depth(corners: Doubles, camera: Camera, nearest: float = _NEAR) -> npt.NDArray[np.float32]:
     """Return the depths [H, W] along the axis of triangles [T, 3, 3] in a camera's picture; 0 where none is.
 
-    Triangles are seen from both sides, and what lies behind the camera is cut off.
+    Triangles are seen from both sides. What lies nearer than `nearest` is cut off: scans close the holes in walls
+    through which cameras look, and show their housings.
     """
-    nearest = np.full(camera.width * camera.height, np.inf)
+    depths = np.full(camera.width * camera.height, np.inf)
     for begin in range(0, len(corners), _TRIANGLES_AT_ONCE):
-        _draw(nearest, corners[begin : begin + _TRIANGLES_AT_ONCE], camera)
-    return np.where(np.isinf(nearest), 0, nearest).astype(np.float32).reshape(camera.height, camera.width)
+        _draw(depths, corners[begin : begin + _TRIANGLES_AT_ONCE], camera, max(nearest, _NEAR))
+    return np.where(np.isinf(depths), 0, depths).astype(np.float32).reshape(camera.height, camera.width)
 
 
-def _draw(nearest: Doubles, corners: Doubles, camera: Camera) -> None:
-    """Lower the nearest depths [H W] to those of triangles [T, 3, 3]."""
+def _draw(nearest: Doubles, corners: Doubles, camera: Camera, plane: float) -> None:
+    """Lower the nearest depths [H W] to those of triangles [T, 3, 3] behind a plane."""
     turn, move = camera.world_to_camera[:3, :3], camera.world_to_camera[:3, 3]
-    local = _in_front(corners @ turn.T + move)
+    local = _behind(corners @ turn.T + move, plane)
     depths = local[:, :, 2]
     across = local[:, :, 0] / depths * camera.fx + camera.cx
     down = local[:, :, 1] / depths * camera.fy + camera.cy
@@ -56,14 +57,14 @@ def _draw(nearest: Doubles, corners: Doubles, camera: Camera) -> None:
         np.minimum.at(nearest, pixels[inside], 1 / inverse[inside])
 
 
-def _in_front(local: Doubles) -> Doubles:
-    """Return the triangles [T, 3, 3] in a camera's coordinates without the parts that are not in front of it."""
-    front = local[:, :, 2] > _NEAR
+def _behind(local: Doubles, plane: float) -> Doubles:
+    """Return the triangles [T, 3, 3] in a camera's coordinates without the parts that are nearer than a plane."""
+    front = local[:, :, 2] > plane
     count = front.sum(1)
     one = _turned_to(local, front.argmax(1), count == 1)
     two = _turned_to(local, front.argmin(1), count == 2)  # the corner behind comes first
-    to_second, to_third = _cut(one[:, 0], one[:, 1]), _cut(one[:, 0], one[:, 2])
-    from_second, from_third = _cut(two[:, 1], two[:, 0]), _cut(two[:, 2], two[:, 0])
+    to_second, to_third = _cut(one[:, 0], one[:, 1], plane), _cut(one[:, 0], one[:, 2], plane)
+    from_second, from_third = _cut(two[:, 1], two[:, 0], plane), _cut(two[:, 2], two[:, 0], plane)
     parts = [
         local[count == 3],
         np.stack([one[:, 0], to_second, to_third], 1),
@@ -79,10 +80,10 @@ def _turned_to(local: Doubles, first: npt.NDArray[np.int64], chosen: npt.NDArray
     return np.take_along_axis(local[chosen], order[:, :, None], 1)
 
 
-def _cut(front: Doubles, behind: Doubles) -> Doubles:
-    """Return the places [N, 3] at the least depth on lines from points in front to points that are not."""
-    share = (front[:, 2] - _NEAR) / (front[:, 2] - behind[:, 2])
-    return np.asarray(front + share[:, None] * (behind - front))
+def _cut(far: Doubles, near: Doubles, plane: float) -> Doubles:
+    """Return the places [N, 3] in a plane on lines from points behind it to points before it."""
+    share = (far[:, 2] - plane) / (far[:, 2] - near[:, 2])
+    return np.asarray(far + share[:, None] * (near - far))
 
 
 def _pixels(places: Doubles, size: int) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:

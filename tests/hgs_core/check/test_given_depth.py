@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 import numpy as np
+import numpy.typing as npt
 import pytest
 from PIL import Image
 
@@ -64,16 +65,44 @@ def test_depths_are_compared_with_points(
     ]
 
 
-def test_a_mesh_of_another_scale_is_found(found: tuple[list[Camera], SparsePoints], tmp_path: Path) -> None:
-    """Small triangles around each point, twice as far from the origin as they are."""
-    _, points = found
-    corners = 2 * points.xyz[:, None] + np.array([[0.03, 0, 0], [-0.02, 0.02, 0.0], [-0.02, -0.02, 0.03]])
+def write_mesh(file: Path, corners: npt.NDArray[np.float64]) -> Path:
     lines = [f"v {x} {y} {z}\n" for x, y, z in corners.reshape(-1, 3)]
     faces = [f"f {3 * row + 1} {3 * row + 2} {3 * row + 3}\n" for row in range(len(corners))]
-    (tmp_path / "room.obj").write_text("".join(lines + faces))
-    said, findings = judge_given_depth(open_capture(SAMPLE, mesh=tmp_path / "room.obj"))
+    file.write_text("".join(lines + faces))
+    return file
+
+
+def triangles(places: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Return a small triangle around each of some places [P, 3]."""
+    return places[:, None] + np.array([[0.03, 0, 0], [-0.02, 0.02, 0.0], [-0.02, -0.02, 0.03]])
+
+
+@pytest.mark.parametrize("scale", [2.0, 0.01])
+def test_a_mesh_of_another_scale_is_found(
+    found: tuple[list[Camera], SparsePoints], tmp_path: Path, scale: float
+) -> None:
+    """The places of points, nearer to the first camera or farther from it."""
+    cameras, points = found
+    eye = cameras[0].position
+    mesh = write_mesh(tmp_path / "room.obj", eye + scale * (triangles(points.xyz) - eye))
+    said, findings = judge_given_depth(open_capture(SAMPLE, mesh=mesh))
     assert said[0].startswith("the mesh room.obj in ")
     assert len(findings) == 1
+
+
+def test_a_mesh_that_closes_the_hole_before_a_camera_agrees(
+    found: tuple[list[Camera], SparsePoints], tmp_path: Path
+) -> None:
+    cameras, points = found
+    corners = [triangles(points.xyz)]
+    for camera in cameras:
+        rim = np.array([[-2000.0, -2000], [4000, -2000], [0, 6000]])
+        corners.append(camera.position + 0.02 * camera.rays(rim)[None])
+    said, findings = judge_given_depth(
+        open_capture(SAMPLE, mesh=write_mesh(tmp_path / "room.obj", np.concatenate(corners)))
+    )
+    assert "in 16 of 16 pictures: 1 times as far" in said[0]
+    assert findings == []
 
 
 def test_nothing_given_says_nothing() -> None:

@@ -85,6 +85,17 @@ def test_still_points_lie_at_given_depths_and_the_others_on_the_backdrop(informe
     assert np.median(towards) == pytest.approx(1.0, abs=1e-3)
 
 
+def test_a_mesh_before_a_camera_hides_nothing(tmp_path: Path) -> None:
+    write_walk(tmp_path, FRAMES)
+    camera = CAMERAS[0]
+    corners = camera.position + camera.rays(np.array([[-99.0, -99], [999, -99], [999, 999], [-99, 999]])) * 0.05
+    lines = [f"v {x} {y} {z}\n" for x, y, z in corners]
+    (tmp_path / "mesh.obj").write_text("".join(lines) + "f 1 2 3 4\n")
+    given = search_in(tmp_path).backdrop.given
+    assert given is not None
+    assert not given.maps["0"].any()
+
+
 def test_moving_points_lie_at_depths_of_their_frame(informed: HullSearch) -> None:
     _, known = CAMERAS[0].project(informed.moving(3, 200, [], np.random.default_rng(0)).xyz)
     _, unknown = CAMERAS[0].project(informed.moving(4, 200, [], np.random.default_rng(0)).xyz)

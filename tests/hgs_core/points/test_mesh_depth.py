@@ -32,6 +32,12 @@ def test_the_nearest_of_several_surfaces_counts_whatever_their_order() -> None:
     assert (depths == 2.0).sum() == 30 * 30
 
 
+def test_a_wall_that_closes_the_hole_before_a_camera_is_cut_off() -> None:
+    room = np.concatenate([wall(0.05, 1.0), wall(4.0, 50.0)])
+    assert np.unique(mesh_depth(room, CAMERA)).tolist() == [np.float32(0.05)]
+    assert np.unique(mesh_depth(room, CAMERA, 1.0)).tolist() == [4.0]
+
+
 def test_what_is_beside_or_behind_the_camera_is_not_seen() -> None:
     assert not mesh_depth(wall(-2.0, 50.0), CAMERA).any()
     assert not mesh_depth(wall(2.0, 0.5) + np.array([9.0, 0, 0]), CAMERA).any()
