@@ -25,7 +25,7 @@ __all__ = ["DepthAgreement", "judge_given_depth"]
 
 _FEWEST = 20  # points that a comparison needs
 _OFF = 0.05  # share by which a scale may be off; the first points tell less than that
-_NEARER = 0.5  # of the nearest point's depth: a mesh there hides what the camera films
+_NEARER = 0.5  # share of the nearest point's depth; a mesh there hides what the camera films
 _SPREAD = 0.1  # share by which half of the depths may differ apart from the scale
 
 Depths = npt.NDArray[np.float32]

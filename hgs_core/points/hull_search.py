@@ -26,7 +26,7 @@ __all__ = ["HullSearch"]
 
 _FLOOR_FRAMES = 12  # frames whose movers show where the floor is
 _FLOOR_RAYS = 2_000  # rays of each
-_NEARER = 0.25  # of the movers' median depth: a given mesh there hides what the camera films
+_NEARER = 0.25  # share of the movers' median depth; a given mesh there hides what the camera films
 
 
 class HullSearch(PointSearch):

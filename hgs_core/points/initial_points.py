@@ -45,7 +45,7 @@ _RAYS_PER_POINT = 4  # swept pixels for each point wanted: the better ones are t
 _MOVING_SHARE = 0.5  # share of the views from which on a point is dynamic
 _MOST_AGREEING_VIEWS = 3  # views that agree on a depth, beyond which more of them mean no more
 _MIN_VIEWS = 2
-_NEARER = 0.5  # of a camera's nearest depth of interest: a given mesh there hides what the camera films
+_NEARER = 0.5  # share of a camera's nearest depth of interest; a given mesh there hides what it films
 _MAX_SPACING = 3.0  # times the median: a lone point must not start as a giant
 
 
