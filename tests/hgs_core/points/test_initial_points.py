@@ -173,3 +173,19 @@ def test_given_depth_gives_points_where_the_pictures_agree_with_it_or_see_less(
     _, depths = camera.project(still)
     assert np.isclose(depths, 7.0, rtol=1e-5).sum() > 100
     assert len(still) <= TARGETS["static_target"]
+
+
+def test_a_mesh_right_before_a_camera_changes_nothing(
+    capture: Capture, masks: MotionMasks, points: PointCloud, tmp_path: Path
+) -> None:
+    """A scan of the room closes the hole through which the camera looks."""
+    camera = capture.cameras[VIEWS[2]]
+    corners = camera.position + 0.02 * camera.rays(np.array([[-9.0, -9], [999, -9], [999, 999], [-9, 999]]))
+    lines = [f"v {x} {y} {z}\n" for x, y, z in corners]
+    (tmp_path / "mesh.obj").write_text("".join(lines) + "f 1 2 3 4\n")
+    given = open_capture(capture.path, mesh=tmp_path / "mesh.obj")
+    given.__class__ = OnlyViews
+    search = PointSearch(given, VIEWS, masks, **TARGETS)
+    features = search.features(MOMENTS[0])
+    still = search.still(features, search.ranges(features), np.random.default_rng(0))
+    np.testing.assert_array_equal(still.xyz, points.xyz[: len(still)])
