@@ -140,9 +140,8 @@ def outline(capture: Path, camera_format: CameraFormat, file: Path) -> Outline:
     if matched.kind == "photographs":
         return Outline(matched.names, firsts, 1, 0.0)
     if first.video:
-        frames, rate, _ = announced_length(first.files[0])
-        seconds = frames / rate if frames is not None and rate is not None else None
-        return Outline(matched.names, firsts, frames, seconds)
+        length = announced_length(first.files[0])
+        return Outline(matched.names, firsts, length.frames, length.seconds)
     rate = read_sync(capture).rate or rig.rate or _ASSUMED_RATE
     return Outline(matched.names, firsts, len(first.files), len(first.files) / rate)
 

@@ -15,7 +15,7 @@ _TRIANGLES_AT_ONCE = 1 << 18
 _AT_ONCE = 1 << 22  # pixels that are tried
 
 
-def mesh_depth(corners: Doubles, camera: Camera, nearest: float = _NEAR) -> npt.NDArray[np.float32]:
+def mesh_depth(corners: Doubles, camera: Camera, nearest: float = 0.0) -> npt.NDArray[np.float32]:
     """Return the depths [H, W] along the axis of triangles [T, 3, 3] in a camera's picture; 0 where none is.
 
     Triangles are seen from both sides. What lies nearer than `nearest` is cut off: scans close the holes in walls

@@ -123,10 +123,9 @@ def _outline(path: Path, folders: CaptureFolders) -> tuple[str, Outline]:
     if not content.videos:
         open_capture(path)
         raise InputError(path, "is not a capture")  # unless it has just become one
-    frames, rate, _ = announced_length(path / content.videos[0])
-    seconds = frames / rate if frames is not None and rate is not None else None
+    length = announced_length(path / content.videos[0])
     videos = [path / name for name in content.videos]
-    return _VIDEOS_ALONE, Outline(tuple(one.stem for one in videos), tuple(videos), frames, seconds)
+    return _VIDEOS_ALONE, Outline(tuple(one.stem for one in videos), tuple(videos), length.frames, length.seconds)
 
 
 def require_bounded_tables(capture: Path) -> None:

@@ -11,8 +11,6 @@ from server.http.problems import ProblemError, problem_response
 
 __all__ = ["StoppedRequests"]
 
-_RETRY_SECONDS = 5  # Retry-After
-
 
 class StoppedRequests:
     """ASGI middleware. A request that is cancelled before its response began is answered with 503, as one that comes
@@ -37,6 +35,6 @@ class StoppedRequests:
         except asyncio.CancelledError:
             if scope["type"] != "http" or begun or not self._stopping.is_set():
                 raise
-            headers = {"Retry-After": str(_RETRY_SECONDS)}
-            problem = ProblemError(503, "server-busy", "the server is stopping; try again later", headers=headers)
+            detail = "the server is stopping; try again later"
+            problem = ProblemError(503, "server-busy", detail, headers={"Retry-After": "5"})
             await problem_response(HTTPConnection(scope), problem)(scope, receive, send)

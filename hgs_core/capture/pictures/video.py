@@ -37,6 +37,11 @@ class AnnouncedLength(NamedTuple):
     rate: float | None  # frames per second
     even: bool  # the time between any two frames is the same; otherwise `rate` is a mean
 
+    @property
+    def seconds(self) -> float | None:
+        """Duration; None without frames or rate."""
+        return self.frames / self.rate if self.frames is not None and self.rate is not None else None
+
 
 def announced_length(path: Path) -> AnnouncedLength:
     """Return the length that the header of a video states.
