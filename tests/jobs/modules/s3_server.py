@@ -2,26 +2,25 @@
 
 from __future__ import annotations
 
-import shutil
+import io
 import socket
 import subprocess
 import sys
+import threading
 import time
 import urllib.request
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from pathlib import Path
+from importlib.util import find_spec
+from typing import Any
 
 import pytest
 
 
 def missing_program() -> str:
     """Return why no server can be started here; "" if one can."""
-    return "" if _program() else "moto_server is missing: pip install 'moto[s3]' flask flask-cors to run these tests"
-
-
-def _program() -> str | None:
-    return shutil.which("moto_server", path=str(Path(sys.executable).parent)) or shutil.which("moto_server")
+    found = all(find_spec(name) for name in ("moto", "flask", "flask_cors"))
+    return "" if found else "moto is missing: pip install 'moto[s3]' flask flask-cors to run these tests"
 
 
 class S3Server:
@@ -42,10 +41,8 @@ class S3Server:
         self._process: subprocess.Popen[bytes] | None = None
 
     def start(self) -> None:
-        program = _program()
-        assert program is not None
         quiet = subprocess.DEVNULL
-        command = [program, "-H", "127.0.0.1", "-p", str(self._port)]
+        command = [sys.executable, __file__, str(self._port)]
         self._process = subprocess.Popen(command, stdout=quiet, stderr=quiet)
         bucket = urllib.request.Request(f"{self.address}/bucket", method="PUT")
         deadline = time.monotonic() + 120
@@ -75,3 +72,32 @@ def running_s3_server() -> Iterator[S3Server]:
         yield server
     finally:
         server.stop()
+
+
+class OneConditionalPut:
+    """Moto's application with conditional puts one after the other: its own can both see that there is no object."""
+
+    def __init__(self, application: Any) -> None:
+        self._application = application
+        self._lock = threading.Lock()
+
+    def __call__(self, environ: dict[str, Any], start_response: Any) -> Iterable[bytes]:
+        if environ["REQUEST_METHOD"] != "PUT" or not {"HTTP_IF_MATCH", "HTTP_IF_NONE_MATCH"} & environ.keys():
+            answer: Iterable[bytes] = self._application(environ, start_response)
+            return answer
+        body = environ["wsgi.input"].read(int(environ.get("CONTENT_LENGTH") or 0))  # a slow sender holds no lock
+        environ["wsgi.input"] = io.BytesIO(body)
+        with self._lock:
+            return list(self._application(environ, start_response))
+
+
+def main(port: int) -> None:
+    from moto.server import DomainDispatcherApplication, MotoRequestHandler, create_backend_app
+    from werkzeug.serving import run_simple
+
+    application = OneConditionalPut(DomainDispatcherApplication(create_backend_app))
+    run_simple("127.0.0.1", port, application, threaded=True, request_handler=MotoRequestHandler)
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]))
