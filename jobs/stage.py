@@ -48,6 +48,7 @@ from jobs.process.parent_process import when_parent_is_gone
 from jobs.process.process_tree import ProcessTree
 from jobs.process.stage_environment import keep_secrets
 from jobs.process.stage_outcome import Done, ExitStatus, Failed, Killed, Waits, read_outcome, record_of
+from jobs.process.stage_sandbox import enter_stage_sandbox
 from jobs.runs.shared_segments import Exchange, help_with_segment, make_segments
 
 __all__ = ["main"]
@@ -79,11 +80,13 @@ def main(arguments: list[str] | None = None) -> int:
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, ask_to_stop)
     answers: queue.SimpleQueue[bytes] = queue.SimpleQueue()
-    when_parent_is_gone(_end, answers.put)
     report = _claim_stdout()
     home = Home.from_environment()
     limit_stage(home, options.stage)
     try:
+        if arguments is None:  # there is no other thread yet
+            enter_stage_sandbox(home, options.stage, options.run)
+        when_parent_is_gone(_end, answers.put)
         with contextlib.ExitStack() as held:
             try:
                 if options.stage not in (HELP, SHOW):  # these run beside the one that has the lock

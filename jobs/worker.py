@@ -23,6 +23,7 @@ from jobs.home.home import Home
 from jobs.process.parent_process import when_parent_is_gone
 from jobs.process.stage_environment import keep_secrets
 from jobs.process.stage_runner import GRACE, StageRunner
+from jobs.process.stage_sandbox import missing_from_stages
 from jobs.queue.enqueue import TRAINING_QUEUE, job_of
 from jobs.queue.helper_workflow import HelperWorkflow
 from jobs.queue.job_workflow import TrainingWorkflow
@@ -68,6 +69,8 @@ def run_worker(home: Home, *, exit_with_parent: bool = False) -> NoReturn:
     """
     keep_secrets()
     guard_imports()
+    if lacking := missing_from_stages():
+        log.warning("%s", lacking)
     stop = threading.Event()
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda *_: stop.set())

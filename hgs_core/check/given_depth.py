@@ -10,11 +10,10 @@ import numpy.typing as npt
 
 from hgs_core.base.arrays import Doubles
 from hgs_core.base.wording import counted
-from hgs_core.capture.cameras.rigid_poses import MIRROR
 from hgs_core.capture.capture import Capture
 from hgs_core.capture.pictures.picture import reduced_picture
 from hgs_core.check.findings import Finding
-from hgs_core.interchange.mesh.mesh_file import read_mesh
+from hgs_core.points.given_surfaces import mesh_corners
 from hgs_core.points.matching import LONGEST_SIDE
 from hgs_core.points.mesh_depth import mesh_depth
 from hgs_core.points.sfm import SparsePoints, triangulate
@@ -76,9 +75,8 @@ def judge_given_depth(capture: Capture) -> tuple[list[str], list[Finding]]:
         said.append(found.sentence("depth maps", len(cameras)))
         cure = f"set scale in {given.scale.file} to {given.scale.scale / max(found.ratio, 1e-9):.4g}"
         findings += _findings("the depth maps", found, cure)
-    if capture.mesh is not None:
-        corners = read_mesh(capture.mesh).corners
-        corners = corners @ MIRROR[:3, :3] if capture.mirrored else corners
+    corners = mesh_corners(capture)
+    if capture.mesh is not None and corners is not None:
         found = _agreement(cameras, points, _drawn(corners, cameras, points))
         if found.points < _FEWEST:  # a mesh at a small scale lies before all points
             found = _agreement(cameras, points, _drawn(corners, cameras, None))

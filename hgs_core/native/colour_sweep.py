@@ -18,7 +18,7 @@ __all__ = ["VALUES", "colour_descriptors", "colour_sweep"]
 VALUES = 6
 """Numbers of a descriptor: red, green and blue of the pixel's 3x3 window, and of its 7x7 window."""
 
-Descriptors = npt.NDArray[np.int16]
+Descriptors = npt.NDArray[np.uint8]
 Doubles = npt.NDArray[np.float64]
 
 
@@ -45,7 +45,7 @@ def colour_descriptors(picture: npt.NDArray[np.uint8]) -> Descriptors:
     """
     height, width = picture.shape[:2]
     at = address("picture", picture, (height, width, 3), np.uint8)
-    descriptors = np.empty((height * width, VALUES), np.int16)
+    descriptors = np.empty((height * width, VALUES), np.uint8)
     check(load().hgs_colour_descriptors(ctypes.c_void_p(at), width, height, ctypes.c_void_p(descriptors.ctypes.data)))
     return descriptors
 
@@ -82,14 +82,14 @@ def colour_sweep(
     count = len(rays)
     costs = np.empty((count, len(depths)), np.float32)
     compared = [
-        _view(camera, address("descriptors", seen, (camera.height * camera.width, VALUES), np.int16))
+        _view(camera, address("descriptors", seen, (camera.height * camera.width, VALUES), np.uint8))
         for camera, seen in sources
     ]
     asked = [_view(camera, address("mask", mask, (camera.height, camera.width), np.bool_)) for camera, mask in hull]
     status = load().hgs_colour_sweep(
         _pointer("origin", origin, (3,), np.float64),
         _pointer("rays", rays, (count, 3), np.float64),
-        _pointer("own", own, (count, VALUES), np.int16),
+        _pointer("own", own, (count, VALUES), np.uint8),
         ctypes.c_int64(count),
         _pointer("depths", depths, (len(depths),), np.float64),
         len(depths),

@@ -17,7 +17,7 @@ from hgs_core.interchange.mesh.mesh_file import read_mesh
 from hgs_core.points.mesh_depth import mesh_depth
 from hgs_core.scene.camera import Camera
 
-__all__ = ["GivenSurfaces"]
+__all__ = ["GivenSurfaces", "mesh_corners"]
 
 _MOST_FRAMES = 11  # maps of a camera in the median over time
 
@@ -75,8 +75,16 @@ class GivenSurfaces:
 
     @cached_property
     def _corners(self) -> Doubles | None:
-        """The triangles' corners [T, 3, 3] in the world of the cameras."""
-        if self._capture.mesh is None:
-            return None
-        corners = read_mesh(self._capture.mesh).corners
-        return corners @ MIRROR[:3, :3] if self._capture.mirrored else corners
+        return mesh_corners(self._capture)
+
+
+def mesh_corners(capture: Capture) -> Doubles | None:
+    """Return the corners [T, 3, 3] of the given mesh's triangles, in the world of the cameras; None without a mesh.
+
+    Raises:
+        InputError: the mesh is unreadable.
+    """
+    if capture.mesh is None:
+        return None
+    corners = read_mesh(capture.mesh).corners
+    return corners @ MIRROR[:3, :3] if capture.mirrored else corners

@@ -90,8 +90,8 @@ def sweep(
 
 def _depth_map(
     camera: Camera,
-    descriptors: npt.NDArray[np.int16],  # [H W, 6] of the picture that is swept
-    neighbours: Sequence[tuple[Camera, npt.NDArray[np.int16]]],
+    descriptors: npt.NDArray[np.uint8],  # [H W, 6] of the picture that is swept
+    neighbours: Sequence[tuple[Camera, npt.NDArray[np.uint8]]],
     wanted: npt.NDArray[np.bool_],
     depth_range: tuple[float, float],
     step: int,

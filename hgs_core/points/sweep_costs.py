@@ -24,7 +24,7 @@ HULL_SHARE = 0.75
 """Share of the views that must see a point move: nearly all, as some may be blocked."""
 
 
-def colour_descriptors(picture: npt.NDArray[np.uint8]) -> npt.NDArray[np.int16]:
+def colour_descriptors(picture: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
     """Return the descriptors of a picture's pixels [H, W, 3], [H W, 6]: colour at their own scale and around.
 
     These are the means over 3x3 and 7x7 pixels, rounded down; what lies outside of the picture is black.
@@ -32,15 +32,15 @@ def colour_descriptors(picture: npt.NDArray[np.uint8]) -> npt.NDArray[np.int16]:
     if available():
         return native.colour_descriptors(np.ascontiguousarray(picture))
     wide = picture.astype(np.int16)
-    return np.concatenate((box_sum(wide, 1) // 9, box_sum(wide, 3) // 49), axis=2).reshape(-1, 6)
+    return np.concatenate((box_sum(wide, 1) // 9, box_sum(wide, 3) // 49), axis=2).astype(np.uint8).reshape(-1, 6)
 
 
 def sweep_costs(
     camera: Camera,
     rays: npt.NDArray[np.float64],  # [R, 3] from the camera to depth 1
-    own: npt.NDArray[np.int16],  # [R, 6] descriptors of their pixels
+    own: npt.NDArray[np.uint8],  # [R, 6] descriptors of their pixels
     depths: npt.NDArray[np.float64],  # [D]
-    neighbours: Sequence[tuple[Camera, npt.NDArray[np.int16]]],  # other cameras and descriptors [H W, 6]
+    neighbours: Sequence[tuple[Camera, npt.NDArray[np.uint8]]],  # other cameras and descriptors [H W, 6]
     hull: Sequence[tuple[Camera, npt.NDArray[np.bool_]]],  # cameras, and masks [H, W] of what moves; none: everywhere
 ) -> npt.NDArray[np.float32]:
     """Return the costs [R, D] of points along rays: mean differences of descriptors, levels of 255.
@@ -63,7 +63,9 @@ def sweep_costs(
     costs = np.full((len(neighbours), len(points)), BLIND_COST, np.float32)
     for cost, (other, descriptors) in zip(costs, neighbours, strict=True):
         rows, pixels = pixels_inside(other, points)
-        cost[rows] = colour_difference(descriptors[pixels[:, 1] * other.width + pixels[:, 0]], own[ray[rows]])
+        cost[rows] = colour_difference(
+            descriptors[pixels[:, 1] * other.width + pixels[:, 0]].astype(np.int16), own[ray[rows]].astype(np.int16)
+        )
     costs.sort(axis=0)
     cost = costs[: max(1, len(neighbours) - 1)].mean(axis=0)
     if hull:

@@ -15,7 +15,7 @@ from pathlib import Path
 from jobs.home.home import Home
 from jobs.home.stage_settings import HELP, SHOW
 
-__all__ = ["keep_secrets", "stage_environment", "without_secrets"]
+__all__ = ["has_secrets", "keep_secrets", "stage_environment", "without_secrets"]
 
 _SECRETS = (
     "AWS_",
@@ -39,14 +39,19 @@ def without_secrets(environment: Mapping[str, str] = os.environ) -> dict[str, st
 
 
 def stage_environment(home: Home, stage: str, run: Path, environment: Mapping[str, str] = os.environ) -> dict[str, str]:
-    """Return the environment of a stage of a run.
-
-    Only what publishes has database and store; and where the state of runs lies in the store, what makes segments: it
-    claims them and hands them over there.
-    """
+    """Return the environment of a stage of a run."""
     whole = {**environment, **home.environment()}
+    return whole if has_secrets(home, stage, run) else without_secrets(whole)
+
+
+def has_secrets(home: Home, stage: str, run: Path) -> bool:
+    """Return whether a stage reaches database and store.
+
+    Only what publishes does; and where the state of runs lies in the store, what makes segments: it claims them and
+    hands them over there.
+    """
     exchanges = home.runs_in_store and (stage == HELP or (stage == "train" and _by_segment(run)))
-    return whole if stage in ("publish", SHOW) or exchanges else without_secrets(whole)
+    return stage in ("publish", SHOW) or exchanges
 
 
 def keep_secrets() -> None:

@@ -8,9 +8,10 @@ import json
 import logging
 import os
 import signal
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from hgs_core.base.own_modules import module_command
 from hgs_core.base.progress import Progress
@@ -74,6 +75,18 @@ class StageRunner:
         self, name: str, stage: str, run: Path, on_progress: Callable[[Progress], Awaitable[None]]
     ) -> StageOutcome | None:
         """Run one stage to its end; return None if it was abandoned."""
+        with TemporaryDirectory(prefix="hgs-stage-", ignore_cleanup_errors=True) as temporary:
+            environment = {**stage_environment(self.home, stage, run), "TMPDIR": temporary}
+            return await self._process_in(environment, name, stage, run, on_progress)
+
+    async def _process_in(
+        self,
+        environment: Mapping[str, str],
+        name: str,
+        stage: str,
+        run: Path,
+        on_progress: Callable[[Progress], Awaitable[None]],
+    ) -> StageOutcome | None:
         killed_before = system_kills()
         with (run / "stage.log").open("ab") as log:
             process = await asyncio.create_subprocess_exec(
@@ -82,7 +95,7 @@ class StageRunner:
                 stdout=asyncio.subprocess.PIPE,
                 stderr=log,
                 start_new_session=True,  # a group of its own, so that its children end with it
-                env=stage_environment(self.home, stage, run),
+                env=environment,
                 limit=LINE_LIMIT,
             )
         tree = ProcessTree(process.pid)

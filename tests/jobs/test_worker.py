@@ -16,6 +16,7 @@ from jobs.home.home import Home
 from jobs.home.stage_limits import StageLimits
 from jobs.home.stage_settings import STAGES, StageBytes, StageSeconds
 from jobs.process.memory_limit import CURE
+from jobs.process.stage_sandbox import missing_from_stages
 from jobs.queue.client import JobClient
 from jobs.queue.job_request import JobRequest
 from jobs.records.job import Job, JobState
@@ -122,6 +123,21 @@ def test_a_stage_that_is_always_killed_fails_the_job(
     job = wait_for(submit(iterations=4, behaviour="die"), finished, "the failure")
     assert job.state is JobState.FAILED
     assert job.error.startswith("train: ended by SIGKILL ")  # and then whether the system lacked memory
+
+
+@pytest.mark.skipif(bool(missing_from_stages()), reason=missing_from_stages())
+@pytest.mark.parametrize("own", [True, False])
+def test_a_stage_reads_no_file_of_another_capture(
+    submit: Callable[..., str], worker: Callable[[], Worker], wait_for: WaitFor, tmp_path: Path, own: bool
+) -> None:
+    for name in ("capture", "other"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "video.mp4").touch()
+    (tmp_path / "capture" / "elsewhere").write_text(str(tmp_path / ("capture" if own else "other") / "video.mp4"))
+    worker()
+    job = wait_for(submit(iterations=4, behaviour="spy"), finished, "the end of the job")
+    assert job.error.startswith("" if own else "PermissionError: ")
+    assert job.state is (JobState.SUCCEEDED if own else JobState.FAILED)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="no other system limits what a process may take")

@@ -18,7 +18,7 @@ from hgs_core.scene.camera import Camera
 __all__ = ["SensorPlaces", "sensor_places"]
 
 _STRIP_PIXELS = 1 << 18  # pixels at a time, so that little memory is needed
-_FEWEST_KEPT = 16  # cameras
+_MOST_KEPT = 1 << 28  # bytes; more where every core reads another camera
 
 Bytes = npt.NDArray[np.uint8]
 
@@ -30,6 +30,11 @@ class SensorPlaces:
     corners: npt.NDArray[np.int32]  # [N] number of the upper left one
     right: npt.NDArray[np.float32]  # [N] share of the right ones
     lower: npt.NDArray[np.float32]  # [N] share of the lower ones
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes of the arrays."""
+        return self.corners.nbytes + self.right.nbytes + self.lower.nbytes
 
     def blended(self, picture: Bytes) -> Bytes:
         """Return the colours [N, C] of a photograph [H, W, C] at the places, by bilinear interpolation."""
@@ -64,7 +69,7 @@ _LOCK = threading.Lock()
 def sensor_places(bent: Camera, lens: Lens, straight: Camera) -> SensorPlaces:
     """Return the places of a straight picture's pixels, row by row; those of the last cameras are kept.
 
-    At least as many are kept as there are cores: each may read another camera. A pixel that rounding puts outside the
+    At least as many are kept as there are cores. A pixel that rounding puts outside the
     photograph lies on its edge.
     """
     key = lens, _geometry(bent), _geometry(straight)
@@ -75,7 +80,7 @@ def sensor_places(bent: Camera, lens: Lens, straight: Camera) -> SensorPlaces:
     places = _found(bent, lens, straight)
     with _LOCK:
         _KEPT[key] = places
-        while len(_KEPT) > max(_FEWEST_KEPT, core_count()):
+        while len(_KEPT) > core_count() and sum(kept.nbytes for kept in _KEPT.values()) > _MOST_KEPT:
             _KEPT.popitem(last=False)
     return places
 

@@ -36,7 +36,7 @@ class ColumnSums {
   int count_;
 };
 
-void describe(const uint8_t *picture, int width, int height, int16_t *descriptors) {
+void describe(const uint8_t *picture, int width, int height, uint8_t *descriptors) {
   const auto row_at = [&](int y) { return picture + static_cast<size_t>(y) * width * kChannels; };
   const auto slide = [&](ColumnSums &sums, int y, int reach) {  // from the window around row y - 1 to that around y
     if (y + reach < height) sums.add(row_at(y + reach), 1);
@@ -48,11 +48,11 @@ void describe(const uint8_t *picture, int width, int height, int16_t *descriptor
   for (int y = 0; y < height; ++y) {
     slide(narrow, y, 1);
     slide(wide, y, kReach);
-    int16_t *const out = descriptors + static_cast<size_t>(y) * width * kValues;
+    uint8_t *const out = descriptors + static_cast<size_t>(y) * width * kValues;
     for (int x = 0; x < width; ++x) {
       for (int c = 0; c < kChannels; ++c) {
-        out[x * kValues + c] = static_cast<int16_t>(narrow.window<1>(x * kChannels + c) / 9);
-        out[x * kValues + kChannels + c] = static_cast<int16_t>(wide.window<kReach>(x * kChannels + c) / 49);
+        out[x * kValues + c] = static_cast<uint8_t>(narrow.window<1>(x * kChannels + c) / 9);
+        out[x * kValues + kChannels + c] = static_cast<uint8_t>(wide.window<kReach>(x * kChannels + c) / 49);
       }
     }
   }
@@ -79,7 +79,7 @@ struct SeenRay {
   }
 };
 
-float difference(const int16_t *first, const int16_t *second) {
+float difference(const uint8_t *first, const uint8_t *second) {
   int sum = 0;
   for (int i = 0; i < kValues; ++i) sum += std::abs(first[i] - second[i]);
   return static_cast<float>(sum) / kValues;
@@ -97,7 +97,7 @@ struct Sweep {
   std::vector<float> slots;        // [source_count][depth_count]
   std::vector<int> facing, inside;  // [depth_count]
 
-  void ray(const double *direction, const int16_t *own, float *costs) {
+  void ray(const double *direction, const uint8_t *own, float *costs) {
     for (int s = 0; s < source_count; ++s) compare(sources[s], direction, own, slots.data() + s * depth_count);
     const int counted = std::max(1, source_count - 1);  // without the source that fits worst, which may be blocked
     for (int d = 0; d < depth_count; ++d) {
@@ -113,7 +113,7 @@ struct Sweep {
   }
 
  private:
-  void compare(const hgs_colour_source &source, const double *direction, const int16_t *own, float *costs) const {
+  void compare(const hgs_colour_source &source, const double *direction, const uint8_t *own, float *costs) const {
     const SeenRay seen(source.map, origin, direction);
     for (int d = 0; d < depth_count; ++d) {
       const int64_t pixel = seen.pixel(depths[d], source.width, source.height, 1e-6);
@@ -144,14 +144,14 @@ struct Sweep {
 
 extern "C" {
 
-int32_t hgs_colour_descriptors(const uint8_t *picture, int32_t width, int32_t height, int16_t *descriptors) {
+int32_t hgs_colour_descriptors(const uint8_t *picture, int32_t width, int32_t height, uint8_t *descriptors) {
   return hgs::guarded([&] {
     hgs::describe(picture, width, height, descriptors);
     return HGS_OK;
   });
 }
 
-int32_t hgs_colour_sweep(const double *origin, const double *rays, const int16_t *own, int64_t count,
+int32_t hgs_colour_sweep(const double *origin, const double *rays, const uint8_t *own, int64_t count,
                          const double *depths, int32_t depth_count, const hgs_colour_source *sources,
                          int32_t source_count, const hgs_hull_view *hull, int32_t hull_count, double hull_share,
                          float blind, float *costs) {

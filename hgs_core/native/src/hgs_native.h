@@ -223,11 +223,11 @@ HGS_API int32_t hgs_plane_sweep(const float *grey, int32_t width, int32_t height
 /* What pixels are compared by in a coarse sweep: the means over 3x3 and over 7x7 pixels, rounded down; black outside.
  *
  * picture: [height][width][3].  descriptors: out, [height][width][6]. */
-HGS_API int32_t hgs_colour_descriptors(const uint8_t *picture, int32_t width, int32_t height, int16_t *descriptors);
+HGS_API int32_t hgs_colour_descriptors(const uint8_t *picture, int32_t width, int32_t height, uint8_t *descriptors);
 
 /* A picture that a coarse sweep compares with. */
 typedef struct hgs_colour_source {
-  const int16_t *descriptors; /* [height][width][6] */
+  const uint8_t *descriptors; /* [height][width][6] */
   int32_t width, height;
   double map[12]; /* [3][4]: a point of the world is at (u / w, v / w), pixels, where (u, v, w) = map (x, y, z, 1) */
 } hgs_colour_source;
@@ -248,7 +248,7 @@ typedef struct hgs_hull_view {
  *     exist, or that fall in none, do not.
  * blind: the difference, levels of 255, that a source counts with which a point falls outside of.
  * costs: out, [count][depth_count] mean differences of descriptors, levels of 255; infinite outside of the hull. */
-HGS_API int32_t hgs_colour_sweep(const double *origin, const double *rays, const int16_t *own, int64_t count,
+HGS_API int32_t hgs_colour_sweep(const double *origin, const double *rays, const uint8_t *own, int64_t count,
                                  const double *depths, int32_t depth_count, const hgs_colour_source *sources,
                                  int32_t source_count, const hgs_hull_view *hull, int32_t hull_count,
                                  double hull_share, float blind, float *costs);

@@ -9,7 +9,7 @@ from hgs_core.native.colour_sweep import colour_descriptors, colour_sweep
 from hgs_core.scene.camera import Camera
 
 CAMERA = Camera("one", 8, 6, 8, 8, 4, 3, np.eye(4))
-RAYS, OWN = np.zeros((2, 3)), np.zeros((2, 6), np.int16)
+RAYS, OWN = np.zeros((2, 3)), np.zeros((2, 6), np.uint8)
 
 
 def test_descriptors_are_of_bytes() -> None:
@@ -18,7 +18,7 @@ def test_descriptors_are_of_bytes() -> None:
 
 
 def test_no_rays_have_no_costs() -> None:
-    sources = [(CAMERA, np.zeros((48, 6), np.int16))]
+    sources = [(CAMERA, np.zeros((48, 6), np.uint8))]
     nothing = colour_sweep(np.zeros(3), RAYS[:0], OWN[:0], np.ones(5), sources, [], hull_share=0.5, blind=60)
     assert nothing.shape == (0, 5)
 
@@ -33,7 +33,7 @@ def test_a_picture_of_another_size_than_its_camera_is_refused(wrong: str) -> Non
             RAYS,
             OWN,
             np.ones(5),
-            [(CAMERA, np.zeros((rows, 6), np.int16))],
+            [(CAMERA, np.zeros((rows, 6), np.uint8))],
             [(CAMERA, mask)],
             hull_share=0.5,
             blind=60,

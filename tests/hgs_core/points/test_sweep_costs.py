@@ -76,7 +76,7 @@ def test_the_neighbour_that_fits_worst_does_not_count() -> None:
     own = colour_descriptors(PICTURES[0])
     blank = [np.full_like(own, level) for level in (100, 110, 250)]
     rays = CAMERAS[0].rays(np.array([[30.5, 20.5]]))
-    asked = np.full((1, 6), 90, np.int16)
+    asked = np.full((1, 6), 90, np.uint8)
     found = sweep_costs(CAMERAS[0], rays, asked, np.array([2.0]), [(CAMERAS[0], one) for one in blank], [])
     np.testing.assert_allclose(found, [[15.0]])
 
@@ -86,5 +86,5 @@ def test_a_neighbour_that_sees_nothing_counts_as_unlike() -> None:
     behind = Camera("behind", 60, 44, 55, 57, 31, 20, np.diag([-1.0, 1, -1, 1]))
     rays = CAMERAS[0].rays(np.array([[30.5, 20.5]]))
     descriptors = colour_descriptors(PICTURES[0])
-    found = sweep_costs(CAMERAS[0], rays, np.zeros((1, 6), np.int16), np.array([2.0]), [(behind, descriptors)], [])
+    found = sweep_costs(CAMERAS[0], rays, np.zeros((1, 6), np.uint8), np.array([2.0]), [(behind, descriptors)], [])
     assert found == BLIND_COST

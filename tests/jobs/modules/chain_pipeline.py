@@ -6,6 +6,7 @@ iteration leaves a line with its process id and number in the capture, which all
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import json
 import os
@@ -56,7 +57,7 @@ def train(run: Path, progress: ProgressCallback) -> None:
             raise
         time.sleep(SECONDS_PER_ITERATION)
         state = _next(state, iteration)
-        with log.open("a") as file:
+        with contextlib.suppress(PermissionError), log.open("a") as file:  # in the sandbox it only reads its capture
             file.write(f"{os.getpid()} {iteration}\n")
         if (iteration + 1) % CHECKPOINT_EVERY == 0:
             _save(run, iteration + 1, state)

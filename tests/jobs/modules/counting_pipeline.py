@@ -3,11 +3,12 @@
 The capture is a folder; the file `behaviour` in it says how the training goes: "count", "raise", "bad input", "die" (by
 SIGKILL at half-time), "die once", "hang once" (stopped at half-time), "memory" (wants too much of it at half-time),
 "hog" (takes 16 GiB of it bit by bit at half-time), "open" (opens 100,000 files at half-time), "threads" (starts 40 that
-sleep at half-time, and sleeps), "fork" (starts 500 processes that sleep at half-time, of which every second one leaves
-the session, and sleeps), "leave" (starts one at half-time that leaves the session and loses its parent, and goes on),
-"full once" (meets a full disk at half-time), "compute" (at half-time without a word until there is a file `enough` in
-the run folder), or "deaf" (ignores SIGTERM and keeps no checkpoint). `sleepers` in the run folder names the processes.
-Every iteration appends its process id and number to `iterations.log` in the run folder.
+sleep at half-time, and sleeps), "spy" (reads the file that `elsewhere` names at half-time), "fork" (starts 500
+processes that sleep at half-time, of which every second one leaves the session, and sleeps), "leave" (starts one at
+half-time that leaves the session and loses its parent, and goes on), "full once" (meets a full disk at half-time),
+"compute" (at half-time without a word until there is a file `enough` in the run folder), or "deaf" (ignores SIGTERM and
+keeps no checkpoint). `sleepers` in the run folder names the processes. Every iteration appends its process id and
+number to `iterations.log` in the run folder.
 """
 
 from __future__ import annotations
@@ -110,6 +111,9 @@ def _misbehave(behaviour: str, run: Path) -> None:
     if behaviour == "full once" and not (run / "full").exists():
         (run / "full").touch()
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(run / "checkpoint.pt"))
+    if behaviour == "spy":
+        capture = Path(json.loads((run / "run.json").read_text())["capture"])
+        Path((capture / "elsewhere").read_text()).read_bytes()
     if behaviour == "open":
         opened = [os.open(os.devnull, os.O_RDONLY) for _ in range(100_000)]
         raise AssertionError(f"{len(opened)} files were opened")

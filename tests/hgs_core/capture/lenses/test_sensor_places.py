@@ -55,11 +55,15 @@ def test_places_are_found_once_for_a_camera(monkeypatch: pytest.MonkeyPatch) -> 
     assert sensor_places(BENT, LENS, other) is not first
 
 
-def test_places_of_as_many_cameras_as_cores_are_kept(monkeypatch: pytest.MonkeyPatch) -> None:
-    nothing = SensorPlaces(np.zeros(0, np.int32), np.zeros(0, np.float32), np.zeros(0, np.float32))
+@pytest.mark.parametrize(("cores", "kept"), [(2, 5), (20, 20)])
+def test_kept_places_are_bounded_in_bytes_or_one_for_each_core(
+    monkeypatch: pytest.MonkeyPatch, cores: int, kept: int
+) -> None:
+    places = SensorPlaces(np.zeros(10, np.int32), np.zeros(10, np.float32), np.zeros(10, np.float32))
     monkeypatch.setattr(module, "_KEPT", type(module._KEPT)())
-    monkeypatch.setattr(module, "_found", lambda *_: nothing)
-    monkeypatch.setenv("HGS_THREADS", "20")
+    monkeypatch.setattr(module, "_found", lambda *_: places)
+    monkeypatch.setattr(module, "_MOST_KEPT", 5 * 10 * 12)
+    monkeypatch.setenv("HGS_THREADS", str(cores))
     for width in range(30):
         sensor_places(Camera("c", width + 2, 60, 60.0, 61.0, 39.0, 31.0, np.eye(4)), LENS, STRAIGHT)
-    assert len(module._KEPT) == 20
+    assert len(module._KEPT) == kept
