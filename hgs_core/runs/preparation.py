@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import logging
-import os
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +11,7 @@ import numpy.typing as npt
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback
+from hgs_core.base.writable import require_writable_folder
 from hgs_core.calibrate.find_cameras import COLMAP_FOLDER, find_cameras
 from hgs_core.calibrate.uncalibrated import find_videos, has_poses
 from hgs_core.capture.load import clock_of_videos
@@ -44,7 +44,7 @@ def prepared_capture(spec: RunSpec, own: Path, progress: ProgressCallback) -> Pa
     Raises:
         InputError: poses cannot be found, or a way to synchronise that was asked for does not tell enough.
     """
-    beside = not own.is_dir() and os.access(spec.capture, os.W_OK | os.X_OK)
+    beside = not own.is_dir() and _takes_files(spec.capture)
     place = spec.capture if beside else own
     found = own if _holds_any(own) else None
     if not beside and not own.is_dir():
@@ -72,6 +72,14 @@ def prepared_capture(spec: RunSpec, own: Path, progress: ProgressCallback) -> Pa
             place / COLMAP_FOLDER,
         )
     return own if _holds_any(own) else None
+
+
+def _takes_files(folder: Path) -> bool:
+    try:
+        require_writable_folder(folder)
+    except InputError:
+        return False
+    return True
 
 
 def _holds_any(folder: Path) -> bool:

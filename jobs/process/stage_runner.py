@@ -11,7 +11,6 @@ import signal
 from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 from hgs_core.base.own_modules import module_command
 from hgs_core.base.progress import Progress
@@ -23,6 +22,7 @@ from jobs.process.process_tree import ProcessTree
 from jobs.process.stage_environment import stage_environment
 from jobs.process.stage_outcome import Done, Failed, StageOutcome, Waits, outcome_of, read_outcome, record_of
 from jobs.process.stage_silence import Silence
+from jobs.process.stage_temporary import temporary_folder
 
 __all__ = ["GRACE", "OwnershipLost", "StageRunner"]
 
@@ -75,8 +75,8 @@ class StageRunner:
         self, name: str, stage: str, run: Path, on_progress: Callable[[Progress], Awaitable[None]]
     ) -> StageOutcome | None:
         """Run one stage to its end; return None if it was abandoned."""
-        with TemporaryDirectory(prefix="hgs-stage-", ignore_cleanup_errors=True) as temporary:
-            environment = {**stage_environment(self.home, stage, run), "TMPDIR": temporary}
+        with temporary_folder() as temporary:
+            environment = {**stage_environment(self.home, stage, run), "TMPDIR": str(temporary)}
             return await self._process_in(environment, name, stage, run, on_progress)
 
     async def _process_in(

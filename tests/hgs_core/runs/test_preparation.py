@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import logging
-import os
 import shutil
 from pathlib import Path
 
@@ -95,7 +94,11 @@ def test_the_camera_to_hold_out_is_chosen_when_poses_are_known(folder: Path, tmp
 def test_what_is_found_stays_in_the_run_where_the_capture_cannot_be_written(
     folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    monkeypatch.setattr(os, "access", lambda path, mode: Path(path) != folder)
+    def refuse(place: Path) -> None:
+        if place == folder:
+            raise InputError(place, "cannot be written")
+
+    monkeypatch.setattr(preparation, "require_writable_folder", refuse)
     before = sorted(folder.rglob("*"))
     run = RunFolder(tmp_path / "run")
     create_run(run.path, folder, CONFIG)
