@@ -61,14 +61,14 @@ def find_missing_points(
     most views is there already. With `hull` it must also lie in the hull of the pixels that are asked for. Of every
     picture at most `pixels` are swept.
     """
-    wrong = [error > _WRONG_LEVELS for error in errors]
-    wanted = [_worst(error, m & w, pixels) for error, m, w in zip(errors, asked, wrong, strict=True)]
+    wanted = [_worst(error, one & (error > _WRONG_LEVELS), pixels) for error, one in zip(errors, asked, strict=True)]
     area = sum(int(mask.sum()) for mask in wanted)
     if area == 0:
         return MissingPoints(PointCloud.concatenate([]), np.zeros(0))
 
     swept = sweep(cameras, pictures, wanted, ranges, area // _RAY_STEP**2, asked if hull else ())
     chosen = np.flatnonzero((swept.agreeing >= _CONFIRMING_VIEWS) & (swept.opposed <= swept.agreeing))
+    wrong = [error > _WRONG_LEVELS for error in errors]  # not before: sweeps of many large pictures fill the memory
     chosen = chosen[label_points(cameras, wrong, swept.xyz[chosen]) >= _WRONG_SHARE]
     xyz = swept.xyz[chosen]
     none = np.zeros(len(xyz), np.float32)
