@@ -9,8 +9,10 @@ import numpy as np
 from hgs_core.base.arrays import Doubles
 from hgs_core.scene.camera import FAR_APART, Camera, neighbour_angle
 
-__all__ = ["angle_to_next", "level", "stand_far_apart", "vertical_of"]
+__all__ = ["angle_to_next", "level", "need_hulls", "stand_far_apart", "vertical_of"]
 
+_NEAR_ENOUGH = 55.0  # degrees to the next camera, up to which long trainings find places without hulls
+_LONG = 10_000  # iterations
 _FEWEST, _MOST = 3, 12  # cameras: two see no hull worth having, and more leave no room for such angles
 
 
@@ -33,6 +35,14 @@ def angle_to_next(cameras: Sequence[Camera]) -> float:
 def stand_far_apart(cameras: Sequence[Camera]) -> bool:
     """Return whether cameras stand around a subject so far apart that each alone sees its side of it."""
     return _FEWEST <= len(cameras) <= _MOST and np.degrees(FAR_APART) < angle_to_next(cameras) < np.inf
+
+
+def need_hulls(cameras: Sequence[Camera], iterations: int) -> bool:
+    """Return whether trainings of so many iterations place movers by hulls and the room by a backdrop.
+
+    Up to 55 degrees apart, a long training finds places in the pictures, and the room is 1 dB better (docs/tried.md).
+    """
+    return stand_far_apart(cameras) and (iterations < _LONG or angle_to_next(cameras) > _NEAR_ENOUGH)
 
 
 def vertical_of(cameras: Sequence[Camera]) -> Doubles:

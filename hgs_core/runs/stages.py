@@ -78,7 +78,7 @@ def initialise(run: Path, progress: ProgressCallback) -> None:
     The capture is checked first; the last file is points/near.json. Of a scene to be edited, make the edit instead.
     """
     from hgs_core.decompose.masks import kept_masks
-    from hgs_core.points.far_apart import angle_to_next, stand_far_apart
+    from hgs_core.points.far_apart import angle_to_next, need_hulls
     from hgs_core.points.hull_search import HullSearch
     from hgs_core.points.initial_points import PointSearch
     from hgs_core.points.kept_points import keep_points
@@ -98,7 +98,7 @@ def initialise(run: Path, progress: ProgressCallback) -> None:
     masks = kept_masks(folder.masks, capture, cameras, segment_starts(capture, config), progress=progress)
     every = capture.frames_in(config.points.interval)
     views = [capture.cameras[index] for index in cameras]
-    far_apart = config.points.hull and stand_far_apart(views)
+    far_apart = config.points.hull and need_hulls(views, config.train.iterations)
     if far_apart:
         log.info(
             "%s: the cameras stand %.0f degrees apart: what moves is trained by its silhouettes, the rest on one"

@@ -64,10 +64,10 @@ def announced_length(path: Path) -> AnnouncedLength:
 class VideoReader:
     """Random access to the frames of a video.
 
-    The decoder stays open and runs forward while that is the shortest way to the next frame asked for; otherwise it
-    seeks to the key frame before it. Pictures are upright, as players show them: turned as the file's display matrix
-    says, and `width` and `height` are theirs. Wide colours and high dynamic range are brought to BT.709. Not safe for
-    several threads at once.
+    The decoder stays open until the last frame, and runs forward while that is the shortest way to the next frame asked
+    for; otherwise it seeks to the key frame before it. Pictures are upright, as players show them: turned as the file's
+    display matrix says, and `width` and `height` are theirs. Wide colours and high dynamic range are brought to BT.709.
+    Not safe for several threads at once.
     """
 
     def __init__(self, path: Path, *, square: bool = False, index: Path | None = None) -> None:
@@ -200,6 +200,8 @@ class VideoReader:
                     raise InputError(self.path, f"frame {shown} is damaged", "export the camera's video again")
                 self._next = shown + 1
                 if shown == index:
+                    if index == len(self._packets.stamps) - 1:
+                        self._close()  # the open decoders of a large rig are half a gigabyte
                     return frame, passed
                 if shown > index:
                     break

@@ -50,13 +50,11 @@ def rounds(
 
 
 def _far_apart(config: TrainConfig, backdrop: Backdrop, *, statics_learn: bool) -> tuple[Round, ...]:
-    """Return the rounds of cameras that stand far apart: none that looks for places where pictures agree."""
-    found: list[Round] = [
-        SilhouetteSteps(config),
-        PruningRound(config),
-        DensityRound(config),
-        HullRound(config, backdrop),
-    ]
+    """Return the rounds of cameras that stand far apart: statics are added nowhere but on the backdrop."""
+    found: list[Round] = [SilhouetteSteps(config)]
+    if config.moving_steps:
+        found.append(MovingSteps(config))
+    found += [PruningRound(config), BirthRound(config), DensityRound(config), HullRound(config, backdrop)]
     if statics_learn:
         found += [BackdropFill(config, backdrop), BackdropRound(config, backdrop)]
     return tuple(found)

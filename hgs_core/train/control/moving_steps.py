@@ -22,9 +22,11 @@ from hgs_core.train.splats_alive import living_rows, rows_taken
 from hgs_core.train.train_config import TrainConfig
 from hgs_core.train.training_views import TrainingView
 
-__all__ = ["MovingSteps", "step_of_movers"]
+__all__ = ["MOVING_FROM", "MovingSteps", "step_of_movers"]
 
-_FROM = 0.3  # share of the iterations that pass before them: first the room behind is there, and births begin
+MOVING_FROM = 0.3
+"""Share of the iterations that pass before them: first the room behind is there, and births begin."""
+
 _EVERY = 100  # iterations, after which as many times `train.moving_steps` are taken with the statics as they are
 
 
@@ -40,7 +42,7 @@ class MovingSteps:
     def due(self, iteration: int) -> bool:
         """Return whether the round follows this iteration, counted from 0."""
         done = iteration + 1
-        return done % _EVERY == 0 and done > _FROM * self.config.iterations
+        return done % _EVERY == 0 and done > MOVING_FROM * self.config.iterations
 
     def apply(self, state: TrainState, context: RoundContext) -> None:
         """Change the state in place."""

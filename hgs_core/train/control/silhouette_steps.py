@@ -1,7 +1,8 @@
 """Steps of movers that are drawn alone, over colours drawn at random: opaque where masks say so, and nowhere else.
 
 Where cameras stand far apart, a mover that is half transparent, with its own colours painted on the room behind it,
-looks right in every training picture and in no other. Over a random colour only what covers it looks right.
+looks right in every training picture and in no other. Over a random colour only what covers it looks right. Once movers
+are opaque, steps over the room have their edges and colours right.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from hgs_core.render.rasterize import rasterize
 from hgs_core.render.types import ScreenStatistics
 from hgs_core.scene.splats import DynamicSplats
 from hgs_core.train.checkpoint import TrainState
-from hgs_core.train.control.moving_steps import step_of_movers
+from hgs_core.train.control.moving_steps import MOVING_FROM, step_of_movers
 from hgs_core.train.control.round import RoundContext
 from hgs_core.train.moving_tiles import MovingTiles
 from hgs_core.train.train_config import TrainConfig
@@ -27,7 +28,7 @@ __all__ = ["SilhouetteSteps"]
 
 @dataclass(frozen=True)
 class SilhouetteSteps:
-    """Takes the dynamics' step of every iteration, and the config's further ones where something moves."""
+    """Takes the dynamics' step of an iteration, and the config's further ones, until those over the room begin."""
 
     name: ClassVar[str] = "silhouettes"
     on_host: ClassVar[bool] = False
@@ -36,7 +37,7 @@ class SilhouetteSteps:
 
     def due(self, iteration: int) -> bool:
         """Return whether the round follows this iteration, counted from 0."""
-        return True
+        return not self.config.moving_steps or iteration + 1 <= MOVING_FROM * self.config.iterations
 
     def apply(self, state: TrainState, context: RoundContext) -> None:
         """Change the state in place; statics and colour maps stay as they are."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hgs_core.points.far_apart import angle_to_next, stand_far_apart, vertical_of
+from hgs_core.points.far_apart import angle_to_next, need_hulls, stand_far_apart, vertical_of
 from hgs_core.scene.camera import Camera, looking_at
 from tests.walking_body import CAMERAS
 
@@ -23,6 +23,15 @@ def test_few_cameras_all_around_stand_far_apart(count: int) -> None:
     assert stand_far_apart(ring(count))
     level = ring(count, height=0.0)
     np.testing.assert_allclose(angle_to_next(level), 360 / count, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("count", "iterations", "needed"), [(4, 20_000, True), (7, 3_200, True), (7, 20_000, False), (16, 3_200, False)]
+)
+def test_long_trainings_of_cameras_at_a_middle_distance_need_no_hulls(
+    count: int, iterations: int, needed: bool
+) -> None:
+    assert need_hulls(ring(count), iterations) is needed
 
 
 def test_one_far_camera_among_near_ones_changes_nothing() -> None:

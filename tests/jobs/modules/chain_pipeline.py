@@ -57,7 +57,8 @@ def train(run: Path, progress: ProgressCallback) -> None:
             raise
         time.sleep(SECONDS_PER_ITERATION)
         state = _next(state, iteration)
-        with contextlib.suppress(PermissionError), log.open("a") as file:  # in the sandbox it only reads its capture
+        # In the sandbox of a home without a store it cannot write to its capture.
+        with contextlib.suppress(PermissionError), log.open("a") as file:
             file.write(f"{os.getpid()} {iteration}\n")
         if (iteration + 1) % CHECKPOINT_EVERY == 0:
             _save(run, iteration + 1, state)

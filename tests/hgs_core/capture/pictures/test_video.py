@@ -68,6 +68,17 @@ def test_forward_access_never_seeks(video: Path, monkeypatch: pytest.MonkeyPatch
     assert len(seeks) <= 4  # one for each key frame at most
 
 
+@pytest.mark.skipif(not Path("/proc/self/fd").is_dir(), reason="no other system lists the open files of a process")
+def test_the_file_is_open_until_the_last_frame_is_read(video: Path) -> None:
+    reader = VideoReader(video)
+    opened = []
+    for index in (18, 19):
+        reader.read(index, 0)
+        opened.append(video in [path.resolve() for path in Path("/proc/self/fd").iterdir()])
+    assert opened == [True, False]
+    assert level(reader.read(19, 0)[0]) == LEVELS[19]
+
+
 def test_colours_follow_the_colour_space_that_the_file_states(tmp_path: Path) -> None:
     path = tmp_path / "cam00.mp4"
     colour = np.full((48, 64, 3), (200, 60, 30), np.uint8)

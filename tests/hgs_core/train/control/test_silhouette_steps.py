@@ -90,10 +90,13 @@ def test_movers_become_opaque_where_masks_say_so_and_nowhere_else() -> None:
         assert torch.equal(was, now), name
 
 
-def test_every_iteration_has_them_and_equal_ones_are_equal() -> None:
-    control = SilhouetteSteps(STEPS)
-    assert control.due(0)
-    assert control.due(17)
+@pytest.mark.parametrize(("moving_steps", "last"), [(8.0, 29), (0.0, 99)])
+def test_iterations_have_them_until_steps_over_the_room_begin(moving_steps: float, last: int) -> None:
+    control = SilhouetteSteps(dataclasses.replace(CONFIG, moving_steps=moving_steps, iterations=100))
+    assert [iteration for iteration in range(100) if control.due(iteration)] == [*range(last + 1)]
+
+
+def test_equal_iterations_are_equal() -> None:
     one, two = state(), state()
     for each in (one, two):
         take(each, 3)
