@@ -9,10 +9,12 @@ import numpy as np
 from hgs_core.base.arrays import Doubles
 from hgs_core.scene.camera import FAR_APART, Camera, neighbour_angle
 
-__all__ = ["angle_to_next", "level", "need_hulls", "stand_far_apart", "vertical_of"]
+__all__ = ["LONG", "angle_to_next", "level", "need_hulls", "stand_far_apart", "vertical_of"]
+
+LONG = 10_000
+"""Iterations of a long training: it has time to learn by the pictures alone."""
 
 _NEAR_ENOUGH = 55.0  # degrees to the next camera, up to which long trainings find places without hulls
-_LONG = 10_000  # iterations
 _FEWEST, _MOST = 3, 12  # cameras: two see no hull worth having, and more leave no room for such angles
 
 
@@ -42,7 +44,7 @@ def need_hulls(cameras: Sequence[Camera], iterations: int) -> bool:
 
     Up to 55 degrees apart, a long training finds places in the pictures, and the room is 1 dB better (docs/tried.md).
     """
-    return stand_far_apart(cameras) and (iterations < _LONG or angle_to_next(cameras) > _NEAR_ENOUGH)
+    return stand_far_apart(cameras) and (iterations < LONG or angle_to_next(cameras) > _NEAR_ENOUGH)
 
 
 def vertical_of(cameras: Sequence[Camera]) -> Doubles:

@@ -7,6 +7,7 @@ A round says after which iterations it is due and what it then does. A new one i
 from __future__ import annotations
 
 from hgs_core.points.backdrop import Backdrop
+from hgs_core.points.far_apart import LONG
 from hgs_core.train.control.backdrop_fill import BackdropFill
 from hgs_core.train.control.backdrop_round import BackdropRound
 from hgs_core.train.control.births import BirthRound
@@ -51,10 +52,11 @@ def rounds(
 
 def _far_apart(config: TrainConfig, backdrop: Backdrop, *, statics_learn: bool) -> tuple[Round, ...]:
     """Return the rounds of cameras that stand far apart: statics are added nowhere but on the backdrop."""
-    found: list[Round] = [SilhouetteSteps(config)]
-    if config.moving_steps:
-        found.append(MovingSteps(config))
-    found += [PruningRound(config), BirthRound(config), DensityRound(config), HullRound(config, backdrop)]
+    over_room = config.moving_steps > 0 and config.iterations >= LONG
+    found: list[Round] = [SilhouetteSteps(config, throughout=not over_room), PruningRound(config)]
+    if over_room:
+        found = [MovingSteps(config), *found, BirthRound(config)]
+    found += [DensityRound(config), HullRound(config, backdrop)]
     if statics_learn:
         found += [BackdropFill(config, backdrop), BackdropRound(config, backdrop)]
     return tuple(found)

@@ -2,7 +2,7 @@
 
 Where cameras stand far apart, a mover that is half transparent, with its own colours painted on the room behind it,
 looks right in every training picture and in no other. Over a random colour only what covers it looks right. Once movers
-are opaque, steps over the room have their edges and colours right.
+are opaque, long trainings learn their edges and colours over the room.
 """
 
 from __future__ import annotations
@@ -34,10 +34,11 @@ class SilhouetteSteps:
     on_host: ClassVar[bool] = False
     is_long: ClassVar[bool] = False
     config: TrainConfig
+    throughout: bool  # whether steps over the room never take their place
 
     def due(self, iteration: int) -> bool:
         """Return whether the round follows this iteration, counted from 0."""
-        return not self.config.moving_steps or iteration + 1 <= MOVING_FROM * self.config.iterations
+        return self.throughout or iteration + 1 <= MOVING_FROM * self.config.iterations
 
     def apply(self, state: TrainState, context: RoundContext) -> None:
         """Change the state in place; statics and colour maps stay as they are."""

@@ -6,6 +6,7 @@ import pytest
 
 from hgs_core.base.config_fields import with_fields
 from hgs_core.points.backdrop import Backdrop
+from hgs_core.points.far_apart import LONG
 from hgs_core.train.control import rounds
 from hgs_core.train.density_config import DensityConfig
 from hgs_core.train.train_config import TrainConfig
@@ -63,10 +64,20 @@ def test_statics_that_do_not_learn_are_neither_added_nor_relabelled() -> None:
     assert list(due(CONFIG, statics_learn=False)) == ["moving steps", "pruning", "births", "density"]
 
 
-def test_cameras_far_apart_keep_movers_in_their_hull_and_statics_on_the_backdrop() -> None:
-    backdrop = Backdrop((0.0, 0.0, 0.0), (0.0, -1.0, 0.0), 1.0)
-    first = rounds(CONFIG, masked=True, statics_learn=True, backdrop=backdrop)
-    names = ["silhouettes", "moving steps", "pruning", "births", "density", "hull", "backdrop fill", "backdrop"]
+BACKDROP = Backdrop((0.0, 0.0, 0.0), (0.0, -1.0, 0.0), 1.0)
+
+
+def test_cameras_far_apart_have_rounds_that_ask_no_pictures_to_agree() -> None:
+    first = rounds(CONFIG, masked=True, statics_learn=True, backdrop=BACKDROP)
+    names = ["silhouettes", "pruning", "density", "hull", "backdrop fill", "backdrop"]
     assert [control.name for control in first] == names
-    later = rounds(CONFIG, masked=True, statics_learn=False, backdrop=backdrop)
-    assert [control.name for control in later] == names[:6]
+    later = rounds(CONFIG, masked=True, statics_learn=False, backdrop=BACKDROP)
+    assert [control.name for control in later] == names[:4]
+
+
+def test_long_trainings_of_cameras_far_apart_go_on_over_the_room() -> None:
+    config = with_fields(CONFIG, {"iterations": LONG, "moving_steps": 2.0}, "config.train")
+    found = {control.name: control for control in rounds(config, masked=True, statics_learn=True, backdrop=BACKDROP)}
+    assert list(found)[:6] == ["moving steps", "silhouettes", "pruning", "births", "density", "hull"]
+    assert not any(found["silhouettes"].due(iteration) for iteration in (LONG // 2, LONG - 1))
+    assert found["moving steps"].due(LONG - 1)

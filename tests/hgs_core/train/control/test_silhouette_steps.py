@@ -63,7 +63,7 @@ def take(state: TrainState, iteration: int) -> None:
         statics_learn=True,
         random=lambda purpose: np.random.default_rng((purpose, iteration)),
     )
-    SilhouetteSteps(STEPS).apply(state, cast(RoundContext, context))
+    SilhouetteSteps(STEPS, throughout=True).apply(state, cast(RoundContext, context))
 
 
 def coverage(state: TrainState) -> tuple[float, float]:
@@ -90,9 +90,9 @@ def test_movers_become_opaque_where_masks_say_so_and_nowhere_else() -> None:
         assert torch.equal(was, now), name
 
 
-@pytest.mark.parametrize(("moving_steps", "last"), [(8.0, 29), (0.0, 99)])
-def test_iterations_have_them_until_steps_over_the_room_begin(moving_steps: float, last: int) -> None:
-    control = SilhouetteSteps(dataclasses.replace(CONFIG, moving_steps=moving_steps, iterations=100))
+@pytest.mark.parametrize(("throughout", "last"), [(False, 29), (True, 99)])
+def test_iterations_have_them_until_steps_over_the_room_begin(throughout: bool, last: int) -> None:
+    control = SilhouetteSteps(dataclasses.replace(CONFIG, iterations=100), throughout)
     assert [iteration for iteration in range(100) if control.due(iteration)] == [*range(last + 1)]
 
 
@@ -132,5 +132,5 @@ def test_the_config_says_how_many(moving_steps: float) -> None:
         iteration=0,
         random=np.random.default_rng,
     )
-    SilhouetteSteps(config).apply(state(), cast(RoundContext, context))
+    SilhouetteSteps(config, throughout=True).apply(state(), cast(RoundContext, context))
     assert asked == [round(moving_steps)]
