@@ -22,6 +22,9 @@ _LINUX = Path("/proc/self/stat").exists()
 _LOOK = 1.0  # seconds between two looks at how many there are
 _LOOK_SHARE = 0.02  # largest share of a processor for looking
 _ROUNDS = 100  # rounds against processes that multiply while others are killed
+_ROUND = 0.02  # seconds for killed ones to end
+_TASKS = Path("/proc/self/task")  # the threads of this process
+_LISTS_CHILDREN = (_TASKS / str(os.getpid()) / "children").exists()
 _SET_CHILD_SUBREAPER = 36  # prctl(2)
 
 
@@ -67,6 +70,9 @@ class ProcessTree:
     def kill(self) -> None:
         """Kill all of them; of the calling process all but itself. Those that multiply meanwhile are found, too."""
         me = os.getpid()
+        if self._root == me and _LISTS_CHILDREN:  # a sandbox hides the processes of others, and with them all others
+            _kill_children()
+            return
         if self._root != me:  # the root is stopped and not killed at first, so that it keeps the orphans
             _send_group(self._root, signal.SIGSTOP)
         asked: set[int] = {me, self._root}
@@ -110,6 +116,27 @@ def too_many(processes: list[Process], most: int) -> str:
         limit = f"limit {most * THREADS_EACH}, {THREADS_EACH} for each process of HGS_STAGE_PROCESSES"
         return f"too many threads: {threads}, {limit}; raise that if they are meant"
     return ""
+
+
+def _kill_children() -> None:
+    """Kill the children of this process until it has none: it keeps orphans, so that theirs become its own."""
+    for _ in range(_ROUNDS):
+        children = [int(pid) for task in _TASKS.iterdir() for pid in _text(task / "children").split()]
+        if not children:
+            return
+        for pid in children:
+            _send(pid, signal.SIGKILL)
+        for pid in children:
+            with contextlib.suppress(ChildProcessError):
+                os.waitpid(pid, os.WNOHANG)
+        time.sleep(_ROUND)
+
+
+def _text(file: Path) -> str:
+    try:
+        return file.read_text()
+    except OSError:  # the thread has ended
+        return ""
 
 
 def _processes() -> list[Process]:

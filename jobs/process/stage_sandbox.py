@@ -19,7 +19,6 @@ from jobs.process.stage_environment import has_secrets
 __all__ = ["enter_stage_sandbox", "missing_from_stages"]
 
 _GPUS = tuple(map(Path, ("/dev/nvidiactl", "/dev/nvidia0", "/dev/dxg", "/dev/kfd")))
-_PROCESSES = Path("/proc")  # a stage ends all that it started; the kernel keeps environments and memory of others
 
 
 def enter_stage_sandbox(home: Home, stage: str, run: Path) -> None:
@@ -31,7 +30,7 @@ def enter_stage_sandbox(home: Home, stage: str, run: Path) -> None:
     """
     if _has_gpu() or has_secrets(home, stage, run):
         return
-    readable = [_PROCESSES, *(place for given in _given_to(run) for place in with_links(given))]
+    readable = [place for given in _given_to(run) for place in with_links(given)]
     enter_sandbox(readable, (run, Path(tempfile.gettempdir())))
 
 

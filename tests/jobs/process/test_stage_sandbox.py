@@ -68,6 +68,35 @@ def test_a_stage_reads_its_capture_and_given_files_and_writes_its_run(home: Home
 
 
 @needs_sandbox
+def test_a_stage_sees_nothing_of_other_processes_and_ends_its_own(home: Home, run: Path) -> None:
+    program = f"""
+import os, subprocess
+from pathlib import Path
+from jobs.home.home import Home
+from jobs.process.process_tree import ProcessTree, keep_orphans
+from jobs.process.stage_sandbox import enter_stage_sandbox
+keep_orphans()
+enter_stage_sandbox(Home.from_environment(), "train", Path({str(run)!r}))
+for secret in ("environ", "stat", "root/etc/hostname"):
+    try:
+        Path("/proc/{os.getpid()}", secret).read_bytes()
+    except PermissionError:
+        print(secret)
+orphan = int(subprocess.check_output(["sh", "-c", "setsid sleep 1000 >/dev/null 2>&1 & echo $!"]))
+child = subprocess.Popen(["sleep", "1000"], start_new_session=True).pid
+ProcessTree(os.getpid()).kill()
+for pid in (orphan, child):
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        print("ended")
+"""
+    environment = {**os.environ, **home.environment(), "TMPDIR": str(run.parent / "tmp")}
+    told = subprocess.check_output([sys.executable, "-P", "-c", program], env=environment, text=True)
+    assert told.split() == ["environ", "stat", "root/etc/hostname", "ended", "ended"]
+
+
+@needs_sandbox
 def test_a_stage_of_a_damaged_run_reads_the_run(home: Home, run: Path) -> None:
     (run / "run.json").write_text("{")
     assert read_and_written(home, "train", run)[0] == ["run", "tmp"]
