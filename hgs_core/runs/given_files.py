@@ -26,6 +26,11 @@ class GivenFiles:
         masks, depth, mesh = (path and path.resolve() for path in (self.masks, self.depth, self.mesh))
         return GivenFiles(masks, depth, mesh, self.audio)
 
+    @property
+    def places(self) -> tuple[Path, ...]:
+        """Absolute paths of the files and folders; a sound may be a word."""
+        return tuple(path for path in map(Path, self.to_json().values()) if path.is_absolute())
+
     def to_json(self) -> dict[str, str]:
         """Return the paths by name, the capture's own left out."""
         return {name: str(value) for name, value in vars(self).items() if value not in (None, OWN_SOUND)}

@@ -70,7 +70,7 @@ class ProcessTree:
     def kill(self) -> None:
         """Kill all of them; of the calling process all but itself. Those that multiply meanwhile are found, too."""
         me = os.getpid()
-        if self._root == me and _LISTS_CHILDREN:  # a sandbox hides the processes of others, and with them all others
+        if self._root == me and _LISTS_CHILDREN:  # all of /proc that a sandbox shows
             _kill_children()
             return
         if self._root != me:  # the root is stopped and not killed at first, so that it keeps the orphans

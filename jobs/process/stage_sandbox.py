@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import tempfile
-from collections.abc import Iterator
 from pathlib import Path
 
 from hgs_core.runs.given_files import GivenFiles
@@ -45,12 +44,11 @@ def _has_gpu() -> bool:
     return any(device.exists() for device in _GPUS)
 
 
-def _given_to(run: Path) -> Iterator[Path]:
-    """Yield the paths outside a run's folder that its run.json names; of a damaged one none, as the stage will say."""
+def _given_to(run: Path) -> tuple[Path, ...]:
+    """Return the paths outside a run's folder that its run.json names; of a damaged one none, as the stage will say."""
     try:
         spec = json.loads((run / "run.json").read_bytes())
-        given = GivenFiles.from_json(spec).to_json().values()
-        paths = [Path(spec["capture"]), *map(Path, given)]
+        capture, given = Path(spec["capture"]), GivenFiles.from_json(spec).places
     except (OSError, ValueError, KeyError, TypeError):
-        return
-    yield from (path for path in paths if path.is_absolute())  # a sound may be a word
+        return ()
+    return (capture, *given) if capture.is_absolute() else given

@@ -84,8 +84,7 @@ def _first_line() -> bytes:
 def _places(operation: str, request: dict[str, Any]) -> tuple[list[Path], list[Path]]:
     """Return the files and folders that an operation may read, and those that it may write."""
     if operation == "create":
-        given = map(Path, GivenFiles.from_json(request).to_json().values())
-        folders = Path(request["capture"]), *(path for path in given if path.is_absolute())  # a sound may be a word
+        folders = Path(request["capture"]), *GivenFiles.from_json(request).places
         return [place for folder in folders for place in with_links(folder)], [Path(request["run"])]
     return list(CaptureFolders.from_json(request).readable), []
 

@@ -69,8 +69,7 @@ _LOCK = threading.Lock()
 def sensor_places(bent: Camera, lens: Lens, straight: Camera) -> SensorPlaces:
     """Return the places of a straight picture's pixels, row by row; those of the last cameras are kept.
 
-    At least as many are kept as there are cores. A pixel that rounding puts outside the
-    photograph lies on its edge.
+    At least as many are kept as there are cores. A pixel that rounding puts outside the photograph lies on its edge.
     """
     key = lens, _geometry(bent), _geometry(straight)
     with _LOCK:
