@@ -7,6 +7,7 @@ import contextlib
 import dataclasses
 import hashlib
 import json
+import math
 from collections.abc import AsyncIterator, Callable, Collection, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
@@ -35,6 +36,7 @@ from server.app import create_app
 from server.captures.capture_folders import CaptureFolders
 from server.listener.http_server import HttpServer, bind
 from server.scenes.scene_index import Chunk, SceneIndex, Slice
+from server.stream import admission
 from tests.studio_scene import chunk_bytes, chunks, manifest, scene_folder
 
 __all__ = ["chunks", "manifest", "scene_folder"]
@@ -313,6 +315,12 @@ async def running_server(app: FastAPI, **settings: Any) -> AsyncIterator[tuple[H
         server.should_exit = True
         await asyncio.wait_for(task, 30)
         listener.close()
+
+
+@pytest.fixture(autouse=True)
+def no_late_refusals(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Admit streams however late the event loop is: a busy machine delays it too."""
+    monkeypatch.setattr(admission, "LATE_SECONDS", math.inf)
 
 
 @pytest.fixture

@@ -21,19 +21,12 @@ from server.routes import stream
 from server.scenes import chunk_cache
 from server.scenes.chunk_cache import ChunkCache
 from server.scenes.scene_index import Chunk
-from server.stream import admission
 from server.stream.stream_session import StreamSession
 from tests.chunks import static_chunk
 from tests.server.listener.test_http_server import receive, receive_all, with_stream
 from tests.studio_scene import small_manifest
 
 PATH = "/v1/scenes/studio/stream"
-
-
-@pytest.fixture(autouse=True)
-def no_late_refusals(monkeypatch: pytest.MonkeyPatch) -> None:
-    """On a busy machine the event loop is late for reasons of its own; the refusal has tests of its own."""
-    monkeypatch.setattr(admission, "LATE_SECONDS", 60.0)
 
 
 def test_missing_and_damaged_chunks_cost_themselves_and_may_be_mended(
