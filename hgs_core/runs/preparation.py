@@ -44,16 +44,13 @@ def prepared_capture(spec: RunSpec, own: Path, progress: ProgressCallback) -> Pa
     Raises:
         InputError: poses cannot be found, or a way to synchronise that was asked for does not tell enough.
     """
-    beside = not own.is_dir() and _takes_files(spec.capture)
-    place = spec.capture if beside else own
     found = own if _holds_any(own) else None
-    if not beside and not own.is_dir():
-        log.warning("%s cannot be written to: what is found is kept in %s", spec.capture, own)
     by = spec.config.capture.sync
     posed = has_poses(spec.capture) or (found is not None and has_poses(found))
     if by != "none":
         starts = _of_posed(spec, found, by, progress) if posed else _of_unposed(spec.capture, found, by, progress)
         if starts is not None:
+            place = _place_of_findings(spec.capture, own)
             place.mkdir(parents=True, exist_ok=True)
             starts.write(place / SYNC_FILE)
             apart = f"{starts.apart:.3g} {starts.unit}"
@@ -65,7 +62,8 @@ def prepared_capture(spec: RunSpec, own: Path, progress: ProgressCallback) -> Pa
                 place / SYNC_FILE,
             )
     if not posed:
-        find_cameras(spec.capture, found=None if beside else own, progress=_as_cameras(progress))
+        place = _place_of_findings(spec.capture, own)
+        find_cameras(spec.capture, found=own if place == own else None, progress=_as_cameras(progress))
         log.warning(
             "%s: poses were found from the videos and written to %s (docs/cameras.md)",
             spec.capture,
@@ -74,12 +72,15 @@ def prepared_capture(spec: RunSpec, own: Path, progress: ProgressCallback) -> Pa
     return own if _holds_any(own) else None
 
 
-def _takes_files(folder: Path) -> bool:
+def _place_of_findings(capture: Path, own: Path) -> Path:
+    if own.is_dir():
+        return own
     try:
-        require_writable_folder(folder)
+        require_writable_folder(capture)
     except InputError:
-        return False
-    return True
+        log.warning("%s cannot be written to: what is found is kept in %s", capture, own)
+        return own
+    return capture
 
 
 def _holds_any(folder: Path) -> bool:

@@ -111,6 +111,22 @@ def test_what_is_found_stays_in_the_run_where_the_capture_cannot_be_written(
     assert len(run.read_spec().open_capture().cameras) == len(NAMES)
 
 
+def test_nothing_is_said_of_a_folder_in_which_nothing_is_to_be_written(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    first, second = RunFolder(tmp_path / "first"), RunFolder(tmp_path / "second")
+    create_run(first.path, folder, CONFIG)
+    prepare(first.path, silent)
+    (folder / "sync.json").unlink()
+    shutil.copy(folder / "a.mkv", folder / "c.mkv")  # all in step
+    caplog.clear()
+    monkeypatch.setattr(preparation, "require_writable_folder", lambda place: pytest.fail(f"{place} was tried"))
+    create_run(second.path, folder, CONFIG)
+    prepare(second.path, silent)
+    assert second.read_spec().prepared
+    assert "written" not in caplog.text
+
+
 def test_what_is_found_stays_in_the_run_where_that_has_a_folder_for_it(folder: Path, tmp_path: Path) -> None:
     before = sorted(folder.rglob("*"))
     run = RunFolder(tmp_path / "run")
