@@ -89,15 +89,20 @@ class TrainingSize:
         seconds = float(times[-1] - times[0])
         segments = cut_into_segments(times, config.train.segment_frames)
         every = frames_in(config.points.interval, times)
+        budgets = [config.train.splat_budgets(one.seconds) for one in segments]
+        moves = len(times) > 1  # nothing moves in a single moment
         return cls(
             frames=len(times),
             moments=len({frame for one in segments for frame in one.sampled(every)}),
             first_static=config.points.static,
-            first_dynamic=config.points.dynamic_in(seconds),
-            segments=tuple(SegmentSize(one.frames, *config.train.splat_budgets(one.seconds)) for one in segments),
+            first_dynamic=config.points.dynamic_in(seconds) if moves else 0,
+            segments=tuple(
+                SegmentSize(one.frames, static, dynamic if moves else 0)
+                for one, (static, dynamic) in zip(segments, budgets, strict=True)
+            ),
             iterations=config.train.iterations,
             coarse_until=config.train.coarse_until,
-            moving_steps=config.train.moving_steps,
+            moving_steps=config.train.moving_steps if moves else 0.0,
             by_segment=config.encode.by_segment,
             **known,
         )

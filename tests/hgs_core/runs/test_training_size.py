@@ -67,3 +67,4 @@ def test_photographs_through_a_bent_lens_are_one_moment_and_straightened(tmp_pat
     (tmp_path / "transforms.json").write_text(json.dumps({**lens, "frames": frames}))
     size = TrainingSize.of(open_capture(tmp_path), RunConfig())
     assert (size.straightened, size.frames, size.moments) == (1.0, 1, 1)
+    assert (size.moving_steps, size.first_dynamic, size.segments) == (0.0, 0, (SegmentSize(1, 80_000, 0),))
