@@ -6,7 +6,7 @@ import dataclasses
 import subprocess
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -162,6 +162,23 @@ def test_an_interrupted_job_comes_before_younger_ones(
     assert wait_for(job_id, lambda job: True, "the first job").state is JobState.SUCCEEDED
 
 
+@pytest.fixture
+def no_proofs_after_the_test(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """End the proofs of life with their test: they would go on, and complain, when the database has gone."""
+    holding: list[PostgresLiveness] = []
+    hold = PostgresLiveness.hold
+
+    def noted(liveness: PostgresLiveness, executor: str, on_lost: Callable[[], None]) -> None:
+        holding.append(liveness)
+        hold(liveness, executor, on_lost)
+
+    monkeypatch.setattr(PostgresLiveness, "hold", noted)
+    yield
+    for liveness in holding:
+        liveness._lost.set()
+
+
+@pytest.mark.usefixtures("no_proofs_after_the_test")
 class TestLiveness:
     def is_dead(self, liveness: PostgresLiveness, executor: str) -> bool:
         with liveness.claim_dead(executor) as dead:
