@@ -14,6 +14,7 @@ import numpy.typing as npt
 from hgs_core.runs.run_config import RunConfig
 from hgs_core.runs.training_need import TrainingNeed
 from hgs_core.runs.training_size import SegmentSize, TrainingSize
+from hgs_core.train.train_config import MOVING_FROM
 
 __all__ = ["COSTS", "MEMORY", "course_of_training", "memory_terms", "scene_bytes", "terms", "training_need"]
 
@@ -39,7 +40,6 @@ MEMORY: Mapping[str, tuple[float, ...]] = {
 
 _FILLED = 0.85  # share of the budgets that trained scenes have
 _GROWN = 0.6  # share of the iterations after which they have it
-_MOVING_FROM = 0.3  # share of the iterations before further steps where it moves
 _WATCHED = 122  # frames of each camera, at most, that are compared with the one before
 _STRAIGHTENED = 0.75  # cost of straightening a picture, in multiples of decoding it
 _BESIDE_DISK = 256  # MiB of pictures in memory where the others lie on disk
@@ -127,7 +127,7 @@ def _step_terms(size: TrainingSize, segment: SegmentSize, *, moving: bool = Fals
     share = (np.arange(_PARTS) + 0.5) / _PARTS
     steps = np.full(_PARTS, size.iterations / _PARTS)
     if moving:
-        steps = steps * size.moving_steps * (share > _MOVING_FROM)
+        steps = steps * size.moving_steps * (share > MOVING_FROM)
     pixels = size.pixels / 1e6 * np.where(share < size.coarse_until, 0.25, 1.0)
     first, last = size.first_static + size.first_dynamic, _FILLED * (segment.static + segment.dynamic)
     splats = first + (max(first, last) - first) * np.minimum(1.0, share / _GROWN)

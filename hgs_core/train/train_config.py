@@ -9,7 +9,10 @@ from typing import Any
 from hgs_core.base.config_fields import Range, check_fields
 from hgs_core.train.density_config import DensityConfig
 
-__all__ = ["LabelConfig", "LearningRates", "TrainConfig"]
+__all__ = ["MOVING_FROM", "LabelConfig", "LearningRates", "TrainConfig"]
+
+MOVING_FROM = 0.3
+"""Share of the iterations that pass before moving steps: first the room behind is there, and births begin."""
 
 _SHARE = (0.0, 1.0)
 

@@ -19,13 +19,10 @@ from hgs_core.train.checkpoint import TrainState
 from hgs_core.train.control.round import RoundContext
 from hgs_core.train.moving_tiles import MovingTiles, loss_gradient
 from hgs_core.train.splats_alive import living_rows, rows_taken
-from hgs_core.train.train_config import TrainConfig
+from hgs_core.train.train_config import MOVING_FROM, TrainConfig
 from hgs_core.train.training_views import TrainingView
 
-__all__ = ["MOVING_FROM", "MovingSteps", "step_of_movers"]
-
-MOVING_FROM = 0.3
-"""Share of the iterations that pass before them: first the room behind is there, and births begin."""
+__all__ = ["MovingSteps", "step_of_movers"]
 
 _EVERY = 100  # iterations, after which as many times `train.moving_steps` are taken with the statics as they are
 

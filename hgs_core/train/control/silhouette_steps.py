@@ -17,10 +17,10 @@ from hgs_core.render.rasterize import rasterize
 from hgs_core.render.types import ScreenStatistics
 from hgs_core.scene.splats import DynamicSplats
 from hgs_core.train.checkpoint import TrainState
-from hgs_core.train.control.moving_steps import MOVING_FROM, step_of_movers
+from hgs_core.train.control.moving_steps import step_of_movers
 from hgs_core.train.control.round import RoundContext
 from hgs_core.train.moving_tiles import MovingTiles
-from hgs_core.train.train_config import TrainConfig
+from hgs_core.train.train_config import MOVING_FROM, TrainConfig
 from hgs_core.train.training_views import TrainingView
 
 __all__ = ["SilhouetteSteps"]
