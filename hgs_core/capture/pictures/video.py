@@ -15,12 +15,11 @@ from hgs_core.base.errors import InputError
 from hgs_core.capture.files.container import open_container
 from hgs_core.capture.files.encoding_again import encode_again
 from hgs_core.capture.files.unreadable import unreadable
-from hgs_core.capture.pictures.orientation import quarter_turns
+from hgs_core.capture.pictures.frame_display import opacity
 from hgs_core.capture.pictures.picture_cache import Neighbour
 from hgs_core.capture.pictures.video_index import indexed_packets
 from hgs_core.capture.pictures.video_packets import open_stream
 from hgs_core.capture.pictures.video_stream import even_rate, stated_rate
-from hgs_core.capture.pictures.wide_colours import wide_colours_of
 
 if TYPE_CHECKING:
     import av
@@ -71,7 +70,7 @@ class VideoReader:
     """
 
     def __init__(self, path: Path, *, square: bool = False, index: Path | None = None) -> None:
-        """Read the packets' time stamps, and the display matrix, which comes with the first frame.
+        """Read the packets' time stamps, and the display that the first frame states.
 
         With `square` the pictures have square pixels, as players show them. `index` is a folder that keeps the stamps.
 
@@ -90,16 +89,15 @@ class VideoReader:
         self._frames: Iterator[av.VideoFrame] | None = None
         self._next = 0  # the frame that the open decoder will give next
         self._reformatter = VideoReformatter()
-        turns = quarter_turns(packets.first[0])
-        if turns is None:
+        assert packets.display is not None
+        self._display = packets.display
+        if self._display.turns is None:
             cure = f"store it as it should look: {encode_again(path)}"
             raise InputError(path, "the video is to be shown mirrored or tilted", cure)
-        self._turns = turns
-        self.wide_colours = wide_colours_of(packets.first[0])
-        self._transparent = any(component.is_alpha for component in packets.first[0].format.components)
-        if self._transparent and self._alpha(packets.first[0], packets.size).min() < 255:
+        self._turns = self._display.turns
+        self.wide_colours = self._display.wide_colours
+        if self._display.seen_through:
             self.notes.append("what is transparent in the video is black")
-        packets.first.clear()  # a decoded picture for each camera would stay in memory
         self._stored = packets.size  # width and height that frames are brought to before they are turned
         self.width, self.height = self._turned(packets.size)
         if square and self.square_size != (self.width, self.height):
@@ -267,14 +265,10 @@ class VideoReader:
         else:
             plain = self._reformatter.reformat(frame, width, height, "rgb24", interpolation=best, threads=1)
             picture = np.asarray(plain.to_ndarray(), np.uint8)
-        if self._transparent:
-            picture = ((picture.astype(np.uint16) * self._alpha(frame, self._stored) + 127) // 255).astype(np.uint8)
+        if self._display.transparent:
+            shown = opacity(frame, self._stored, self._reformatter)
+            picture = ((picture.astype(np.uint16) * shown + 127) // 255).astype(np.uint8)
         return np.ascontiguousarray(np.rot90(picture, self._turns))
-
-    def _alpha(self, frame: av.VideoFrame, size: tuple[int, int]) -> npt.NDArray[np.uint16]:
-        """Return the opacity of a frame's pixels [H, W, 1], 0..255."""
-        deep = self._reformatter.reformat(frame, *size, "rgba", threads=1)
-        return deep.to_ndarray()[..., 3:].astype(np.uint16)
 
     def _unreadable(self, error: Exception, index: int | None = None) -> InputError:
         what = "the video" if index is None else f"frame {index}"

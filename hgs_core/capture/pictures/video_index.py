@@ -18,6 +18,7 @@ from typing import Any
 
 from hgs_core.base.atomic import write_bytes
 from hgs_core.base.version import software_version
+from hgs_core.capture.pictures.frame_display import FrameDisplay
 from hgs_core.capture.pictures.video_packets import VideoPackets
 
 __all__ = ["indexed_packets"]
@@ -30,7 +31,7 @@ _lock = threading.Lock()
 
 
 def indexed_packets(path: Path, folder: Path | None = None) -> VideoPackets:
-    """Return the facts in the packets of a video, with its first frame, which alone is decoded each time.
+    """Return the facts in the packets and the first frame of a video.
 
     With a folder they are read from there, or else written there if that can be done.
 
@@ -45,9 +46,9 @@ def indexed_packets(path: Path, folder: Path | None = None) -> VideoPackets:
         known, packets = _kept.get(name, ("", None))
     if packets is None or known != state:
         packets = None if file is None else _read(file, state)
-    found = VideoPackets.of(path) if packets is None else packets.with_first_frame(path)
+    found = VideoPackets.of(path) if packets is None else packets
     with _lock:
-        _kept[name] = state, dataclasses.replace(found, first=[], notes=list(found.notes))
+        _kept[name] = state, dataclasses.replace(found, notes=list(found.notes))
         _kept.move_to_end(name)
         if len(_kept) > _MOST_KEPT:
             _kept.popitem(last=False)
@@ -64,7 +65,7 @@ def _state(path: Path) -> str:
 
 
 def _written(packets: VideoPackets, state: str) -> bytes:
-    plain = {one.name: getattr(packets, one.name) for one in dataclasses.fields(packets) if one.name != "first"}
+    plain = dataclasses.asdict(packets)
     plain |= {name: str(plain[name]) for name in _FRACTIONS}
     return json.dumps({"state": state, "packets": plain}, separators=(",", ":")).encode()
 
@@ -77,6 +78,8 @@ def _read(file: Path, state: str) -> VideoPackets | None:
             return None
         plain = document["packets"]
         plain |= {name: Fraction(plain[name]) for name in _FRACTIONS}
-        return VideoPackets(**(plain | {"size": tuple(plain["size"])}))
+        return VideoPackets(
+            **plain | {"size": tuple(plain["size"]), "display": FrameDisplay.from_plain(plain["display"])}
+        )
     except (OSError, ValueError, KeyError, TypeError, ZeroDivisionError):
         return None

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING
 
 from hgs_core.base.errors import InputError
 from hgs_core.capture.files.container import is_bare, open_container
 from hgs_core.capture.files.encoding_again import encode_again
 from hgs_core.capture.files.unreadable import unreadable
+from hgs_core.capture.pictures.frame_display import FrameDisplay
 from hgs_core.capture.pictures.video_stream import stated_rate, video_stream
 
 if TYPE_CHECKING:
-    import av
     from av.container import InputContainer
     from av.video.stream import VideoStream
 
@@ -41,7 +41,7 @@ class VideoPackets:
     interlaced: bool  # whether frames are said to be two fields, half a period apart
     stamps: list[int] = field(default_factory=list)  # one for each frame, in the order shown
     keys: list[int] = field(default_factory=list)  # stamps at which decoding may begin
-    first: list[av.VideoFrame] = field(default_factory=list)  # first frames of the decoder
+    display: FrameDisplay | None = None  # None: no frame can be decoded
     notes: list[str] = field(default_factory=list)  # choices, for people
 
     @classmethod
@@ -91,38 +91,17 @@ class VideoPackets:
             found.notes.append(f"pixels of {found.aspect} are no camera's, and taken to be square")
             found.aspect = Fraction(1)
         found._check(path, announced - cut, damaged)
-        found.interlaced |= any(frame.interlaced_frame for frame in found.first)
         found.stamps.sort()
         found.keys = [found.stamps[0]] if found.counted else sorted({found.stamps[0], *found.keys})
         return found
-
-    def with_first_frame(self, path: Path) -> VideoPackets:
-        """Return a copy with the first frame of the file, where nothing else is read.
-
-        Raises:
-            InputError: the file is unreadable.
-        """
-        import av
-
-        try:
-            with open_container(path) as container:
-                context = container.streams[self.stream].codec_context
-                assert isinstance(context, av.VideoCodecContext)
-                context.thread_count = 1
-                for packet in container.demux(container.streams[self.stream]):
-                    first = context.decode(cast(Any, packet))
-                    if first:
-                        return replace(self, first=first, notes=list(self.notes))
-        except (av.FFmpegError, OSError) as error:
-            raise unreadable(path, error, _CURE, "the video is unreadable") from error
-        raise InputError(path, "no frame can be decoded", "export the camera's video again")
 
     def _read(self, container: InputContainer, stream: VideoStream, bare: bool) -> tuple[int, bool]:
         """Read the stamps, in the order of the file; return the frames that an edit cut, and whether one is damaged."""
         cut, damaged = 0, False
         for packet in container.demux(stream):
-            if not self.first:
-                self.first = stream.codec_context.decode(packet)
+            for frame in stream.codec_context.decode(packet) if self.display is None else ():
+                self.display = self.display or FrameDisplay.of(frame, self.size)
+                self.interlaced |= bool(frame.interlaced_frame)
             if packet.is_discard or not packet.size:
                 cut += packet.is_discard
                 continue
@@ -153,7 +132,7 @@ class VideoPackets:
         if self.rate <= 0:
             cure = f"say at how many it was filmed, such as 30: {encode_again(path, reading='-framerate 30')}"
             raise InputError(path, "the video does not state its frames per second", cure)
-        if not self.first:
+        if self.display is None:
             raise InputError(path, "no frame can be decoded", "export the camera's video again")
 
 
