@@ -33,8 +33,8 @@ COSTS: Mapping[str, tuple[float, ...]] = {
 
 MEMORY: Mapping[str, tuple[float, ...]] = {
     "initialise": (490.0, 1.2, 11.0),
-    "train": (570.0, 1.1, 50.0),
-    "encode": (570.0, 1.1, 50.0),
+    "train": (570.0, 1.1, 16.0, 12.0, 2.0),
+    "encode": (570.0, 1.1, 16.0, 12.0, 2.0),
 }
 """MiB of each of the `memory_terms`."""
 
@@ -106,8 +106,11 @@ def terms(size: TrainingSize) -> dict[str, tuple[float, ...]]:
 
 def memory_terms(size: TrainingSize, held: float) -> dict[str, tuple[float, ...]]:
     """Return the numbers that each stage's memory is a multiple of; `held` are the MiB of pictures."""
-    grown = 1.0, held, size.training_cameras * size.pixels / 1e6
-    return dict.fromkeys(MEMORY, grown)
+    shown = size.training_cameras * size.pixels / 1e6  # Mpx of one moment
+    filmed = shown if size.frames > 1 else 0.0  # births look at two moments at once
+    splats = max(one.static + one.dynamic for one in size.segments) / 1000
+    grown = 1.0, held, shown, filmed, splats
+    return {"initialise": (1.0, held, shown), "train": grown, "encode": grown}
 
 
 def course_of_training(size: TrainingSize) -> tuple[float, ...]:

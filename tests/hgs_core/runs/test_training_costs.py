@@ -68,6 +68,15 @@ def test_memory_does_not_grow_with_the_length_of_a_capture_on_disk() -> None:
     assert training_need(longer, CONFIG).memory == training_need(LARGE, CONFIG).memory
 
 
+def test_a_moment_needs_less_memory_than_a_film_of_the_same_pictures() -> None:
+    """What moves is looked for at two moments at once."""
+    film = dataclasses.replace(LARGE, frames=2)
+    moment = dataclasses.replace(film, frames=1)
+    pictures = 15 * 1352 * 1014 * 3 / 2**20
+    more = (training_need(film, CONFIG).most_memory - training_need(moment, CONFIG).most_memory) / 2**20
+    assert more > 1.1 * pictures + 100
+
+
 def test_the_course_rises_to_the_end_and_begins_cheaply() -> None:
     course = np.array(training_need(LARGE, CONFIG).course)
     assert (np.diff(course) > 0).all()
