@@ -69,7 +69,7 @@ def test_memory_does_not_grow_with_the_length_of_a_capture_on_disk() -> None:
 
 
 def test_a_moment_needs_less_memory_than_a_film_of_the_same_pictures() -> None:
-    """What moves is looked for at two moments at once."""
+    """Births look at two moments of a film at once."""
     film = dataclasses.replace(LARGE, frames=2)
     moment = dataclasses.replace(film, frames=1)
     pictures = 15 * 1352 * 1014 * 3 / 2**20
