@@ -20,21 +20,15 @@ from hgs_core.scene.splats import HybridScene
 from hgs_core.train.checkpoint import TrainState
 from hgs_core.train.train_config import TrainConfig
 
-__all__ = ["Fitted", "fine_tune_iterations", "fit"]
+__all__ = ["Fitted", "fit"]
 
 COARSENESS_ROUNDS = 5  # rounds of the search for the coarseness; most scenes need two or three
 LOSS_LEFT_AFTER_TUNING = 0.5  # about the share of a loss left by fine-tuning
 TUNING_ROUNDS = 3  # each with the coarseness that the loss after the one before suggests
 LARGEST_TUNING_RATIO = 1.4  # factor from one to the next
-FINE_TUNE_SHARE = 1 / 60  # share of a training's iterations
 BUDGET_SHARE_NEAR_ENOUGH = 0.85  # share of the budget that is near enough
 COARSENESS = (0.1, 8.0)
 LARGEST_COARSENESS_RATIO = 4.0  # factor between two coarsenesses tried
-
-
-def fine_tune_iterations(config: TrainConfig) -> int:
-    """Return for how many iterations a scene is trained further before it is encoded, if nobody says otherwise."""
-    return round(config.iterations * FINE_TUNE_SHARE)
 
 
 @dataclass(frozen=True)

@@ -17,12 +17,17 @@ class EncodeConfig:
     """How a trained scene is encoded."""
 
     budget: str = "default"  # one of `BUDGETS`
+    fine_tune: float = 1 / 60  # share of `train.iterations` that the scene is trained further as it decodes; 0: none
     by_segment: bool = False  # every segment as soon as it is trained, so that it can be watched while others are made
 
     def __post_init__(self) -> None:
-        """Check the budget.
+        """Check every field.
 
         Raises:
-            InputError: it is none of `BUDGETS`.
+            InputError: names the field, the value, and the range or the choices.
         """
-        check_fields(self, "config.encode", {}, {"budget": tuple(BUDGETS)})
+        check_fields(self, "config.encode", {"fine_tune": (0.0, 1.0)}, {"budget": tuple(BUDGETS)})
+
+    def fine_tune_iterations(self, trained: int) -> int:
+        """Return the iterations of fine-tuning after so many of training."""
+        return round(trained * self.fine_tune)

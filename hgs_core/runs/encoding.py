@@ -54,12 +54,12 @@ def encode(run: Path, progress: ProgressCallback) -> None:
 def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, fine_tune: int | None = None) -> Encoded:
     """Encode scene.npz anew into the scene folder; `budget` is one of `BUDGETS`, None: the config's.
 
-    `fine_tune` is for how many iterations the scene is trained further as it decodes; None: a share of the training's.
+    `fine_tune` is for how many iterations the scene is trained further as it decodes; None: the config's.
 
     Raises:
         InputError: the run is not trained yet, or its capture is gone or has changed, or its masks cannot be read.
     """
-    from hgs_core.fit.coarseness import fine_tune_iterations, fit
+    from hgs_core.fit.coarseness import fit
     from hgs_core.fit.measured_utility import measure_utility
     from hgs_core.runs.encode_inputs import trained_scene, training_states, views_of_run
 
@@ -67,7 +67,7 @@ def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, f
     spec = folder.read_spec()
     config, scene = spec.config, trained_scene(folder)
     views = views_of_run(folder, spec, scene)
-    iterations = fine_tune_iterations(config.train) if fine_tune is None else fine_tune
+    iterations = config.encode.fine_tune_iterations(config.train.iterations) if fine_tune is None else fine_tune
     if views.capture is None:  # there is nothing to train with
         iterations = 0
     steps = 4 + iterations

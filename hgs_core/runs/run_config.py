@@ -27,6 +27,7 @@ PRESETS: dict[str, dict[str, Any]] = {
         "train.moving_steps": 1.0,
         "train.density.max_static": 35_000,
         "train.density.max_dynamic": 12_000,
+        "encode.fine_tune": 0.0,
     },
     "standard": {},
     "best": {

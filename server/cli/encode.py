@@ -33,7 +33,7 @@ def add_parser(commands: Any) -> None:
         type=int,
         metavar="ITERATIONS",
         help="iterations for which the scene is trained as it decodes, so that coarser codes will do; 0: none; "
-        "default: a sixtieth of the run's iterations",
+        "default: the share of the run's iterations that its config states",
     )
     parser.set_defaults(run=_run)
 

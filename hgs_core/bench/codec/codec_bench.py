@@ -18,7 +18,7 @@ from hgs_core.bench.codec.codec_prefix import prefix_losses
 from hgs_core.codec import EncodeSettings, decode_chunk, decode_scene, encode_scene
 from hgs_core.codec.format.attributes import Kind
 from hgs_core.codec.format.scene_folder import CHUNKS
-from hgs_core.fit.coarseness import Fitted, fine_tune_iterations, fit
+from hgs_core.fit.coarseness import Fitted, fit
 from hgs_core.fit.encoding_loss import Decibels, Loss
 from hgs_core.fit.encoding_views import EncodeViews, views_around
 from hgs_core.fit.measured_utility import measure_utility
@@ -103,7 +103,7 @@ def bench_codec(
     seen = Loss(scene, views, views.trained)
     unseen = Loss(scene, views, held_out) if held_out else None
     points: list[CodecPoint] = []
-    iterations = fine_tune_iterations(config.train)
+    iterations = config.encode.fine_tune_iterations(config.train.iterations)
     chosen = []
     for name in budgets:
         began = time.process_time()

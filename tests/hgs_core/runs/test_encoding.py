@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
+from typing import Any, NoReturn
 
 import numpy as np
 import pytest
@@ -55,6 +57,25 @@ def test_an_encoded_scene_is_kept_until_it_is_asked_for_again(folder: RunFolder,
     small = encode_again(folder.path, "low", silent, fine_tune=0)
     assert small.manifest.to_json() == load_manifest(folder.scene).to_json()
     assert small.manifest.totals.bytes_static < encoded.manifest.totals.bytes_static
+
+
+@pytest.mark.parametrize(("given", "taken"), [(None, 120), (7, 7), (0, 0)])
+def test_the_config_states_how_long_a_scene_is_fine_tuned(
+    folder: RunFolder, monkeypatch: pytest.MonkeyPatch, given: int | None, taken: int
+) -> None:
+    spec = folder.read_spec()
+    config = spec.config.changed({"train.iterations": 600, "encode.fine_tune": 0.2})
+    monkeypatch.setattr(RunFolder, "read_spec", lambda _: dataclasses.replace(spec, config=config))
+    asked: list[int] = []
+
+    def stopped(*_: Any, iterations: int, **__: Any) -> NoReturn:
+        asked.append(iterations)
+        raise InterruptedError
+
+    monkeypatch.setattr("hgs_core.fit.coarseness.fit", stopped)
+    with pytest.raises(InterruptedError):
+        encode_again(folder.path, None, silent, fine_tune=given)
+    assert asked == [taken]
 
 
 def test_a_run_that_is_not_trained_is_refused(tmp_path: Path) -> None:
