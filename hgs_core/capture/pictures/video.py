@@ -83,7 +83,7 @@ class VideoReader:
         self.path = path
         self._packets = packets = indexed_packets(path, index)
         self.files = [(path, path.stat().st_size)]
-        self.notes = packets.notes  # choices, for people
+        self.notes = list(packets.notes)  # choices, for people; the packets are other readers' too
         self.rate, self.timecode, self.interlaced = packets.rate, packets.timecode, packets.interlaced
         self._container: InputContainer | None = None
         self._frames: Iterator[av.VideoFrame] | None = None

@@ -48,7 +48,7 @@ def indexed_packets(path: Path, folder: Path | None = None) -> VideoPackets:
         packets = None if file is None else _read(file, state)
     found = VideoPackets.of(path) if packets is None else packets
     with _lock:
-        _kept[name] = state, dataclasses.replace(found, notes=list(found.notes))
+        _kept[name] = state, found
         _kept.move_to_end(name)
         if len(_kept) > _MOST_KEPT:
             _kept.popitem(last=False)

@@ -99,9 +99,9 @@ class VideoPackets:
         """Read the stamps, in the order of the file; return the frames that an edit cut, and whether one is damaged."""
         cut, damaged = 0, False
         for packet in container.demux(stream):
-            for frame in stream.codec_context.decode(packet) if self.display is None else ():
-                self.display = self.display or FrameDisplay.of(frame, self.size)
-                self.interlaced |= bool(frame.interlaced_frame)
+            if self.display is None and (frames := stream.codec_context.decode(packet)):
+                self.display = FrameDisplay.of(frames[0], self.size)
+                self.interlaced |= any(frame.interlaced_frame for frame in frames)
             if packet.is_discard or not packet.size:
                 cut += packet.is_discard
                 continue
