@@ -87,7 +87,9 @@ class Capture:
         self._source = source
         self._fingerprint = fingerprint
         self.cache_bytes = cache_bytes  # bytes of decoded pictures
-        self._pictures = HeldPictures(source, self.cameras, len(self.times), cache_bytes)
+        sizes = tuple((one.name, one.width, one.height, one.fx, one.fy, one.cx, one.cy) for one in self.cameras)
+        key = fingerprint, sizes, self._numbers.tobytes(), cache_bytes
+        self._pictures = HeldPictures.shared(key, source, self.cameras, len(self.times), cache_bytes)
 
     @property
     def seconds(self) -> float:

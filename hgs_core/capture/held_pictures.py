@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterable, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path
 from typing import Protocol
 
@@ -17,7 +19,7 @@ from hgs_core.capture.pictures.picture_cache import FrameCache, Neighbour
 from hgs_core.capture.pictures.picture_store import PictureStore
 from hgs_core.scene.camera import Camera
 
-__all__ = ["FrameSource", "HeldPictures"]
+__all__ = ["FrameSource", "HeldPictures", "shared_pictures"]
 
 _MEMORY_BESIDE_DISK = 1 << 28  # bytes of pictures that are not on disk
 
@@ -137,8 +139,33 @@ class HeldPictures:
         if self._store is not None:
             self._store.expect(pictures)
 
+    @classmethod
+    def shared(
+        cls, key: Hashable, source: FrameSource, cameras: Sequence[Camera], frames: int, memory: int
+    ) -> HeldPictures:
+        """Return the pictures that are held under `key` within `shared_pictures`, or new ones.
+
+        Sources of one key must give equal pictures. Pictures that do not all fit in memory are not shared: a disk does
+        that.
+        """
+        new, held = cls(source, cameras, frames, memory), _shared.get()
+        return new if held is None or new._wanted > memory else held.setdefault(key, new)
+
     def _onto_disk(self, camera: int, frame: int) -> None:
         assert self._store is not None
         with self._locks[camera]:
             picture, _ = self._source.read(camera, frame, 0)
         self._store.write(camera, frame, picture)
+
+
+_shared: ContextVar[dict[Hashable, HeldPictures] | None] = ContextVar("shared_pictures", default=None)
+
+
+@contextmanager
+def shared_pictures() -> Iterator[None]:
+    """Let equal captures that are opened meanwhile hold their pictures together, so that each is decoded once."""
+    before = _shared.set({})
+    try:
+        yield
+    finally:
+        _shared.reset(before)

@@ -262,10 +262,10 @@ class Raster:
         """Return where the time of the last calls went, and how much there was to do.
 
         Raises:
-            RuntimeError: `release` was called.
+            RuntimeError: `release` was called, or the last rendering failed or drew nothing.
         """
-        if self._workspace is None:
-            raise RuntimeError("measurements after release")
+        if self._workspace is None or not self._drawn:
+            raise RuntimeError("measurements after release, or of a rendering that failed or drew nothing")
         found = CMeasurements()
         load().hgs_measure(ctypes.c_void_p(self._workspace), ctypes.byref(found))
         return Measurements(*(getattr(found, name) for name in Measurements._fields))

@@ -17,6 +17,7 @@ from hgs_core.base.errors import InputError
 from hgs_core.base.heap import trim_heap
 from hgs_core.base.progress import ProgressCallback, interruptible, silent
 from hgs_core.capture.capture import Capture
+from hgs_core.capture.held_pictures import shared_pictures
 from hgs_core.check.findings import CaptureCheck
 from hgs_core.runs.asked_edit import make_edit
 from hgs_core.runs.creation import create_run, prepare
@@ -210,7 +211,7 @@ def train_scene(
         if new:  # so that the cure can be tried in the same place
             RunFolder(out).spec.unlink()
         raise
-    with RunFolder(out).exclusive():
+    with RunFolder(out).exclusive(), shared_pictures():
         if need is not None:
             needed(need)
         for name, stage in STAGES.items():

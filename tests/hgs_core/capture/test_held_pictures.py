@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from hgs_core.base.progress import Progress, silent
 from hgs_core.capture.capture import Capture
+from hgs_core.capture.held_pictures import shared_pictures
 from hgs_core.scene.camera import Camera
 
 FRAMES = 20
@@ -33,10 +35,13 @@ class CountingSource:
         return None
 
 
-def capture_of(memory: int) -> tuple[Capture, CountingSource]:
-    cameras = [Camera(name, 64, 48, 50, 50, 32, 24, np.eye(4)) for name in "ab"]
+def capture_of(
+    memory: int, *, fingerprint: str = "f", focal: float = 50, late: int = 0
+) -> tuple[Capture, CountingSource]:
+    cameras = [Camera(name, 64, 48, focal, 50, 32, 24, np.eye(4)) for name in "ab"]
     source = CountingSource()
-    return Capture(Path("x"), cameras, np.arange(FRAMES) / 30, source, "f", cache_bytes=memory), source
+    times, numbers = np.arange(FRAMES) / 30, np.arange(FRAMES) + np.array([[0], [late]])
+    return Capture(Path("x"), cameras, times, source, fingerprint, cache_bytes=memory, numbers=numbers), source
 
 
 def level(capture: Capture, camera: int, frame: int) -> int:
@@ -68,6 +73,45 @@ def test_pictures_of_a_small_capture_are_decoded_once_into_memory(tmp_path: Path
     assert [level(capture, 1, frame) for frame in (5, 0, 19)] == [105, 100, 119]
     assert len(source.reads) == 2 * FRAMES
     assert not (tmp_path / "pictures").exists()
+
+
+def test_the_next_stage_decodes_no_picture_again_where_pictures_are_shared() -> None:
+    with shared_pictures():
+        capture, _ = capture_of(EVERYTHING)
+        capture.hold((0, 1), range(FRAMES))
+        del capture
+        again, source = capture_of(EVERYTHING)
+        assert level(again, 1, 7) == 107
+    assert source.reads == []
+    later, source = capture_of(EVERYTHING)
+    assert level(later, 1, 7) == 107
+    assert source.reads == [(1, 7)]
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        {"fingerprint": "g"},
+        {"focal": 51},
+        {"late": 1},
+        {"memory": EVERYTHING - 1},
+    ],
+    ids=["files", "lens", "clock", "memory"],
+)
+def test_pictures_of_another_capture_are_not_shared(other: dict[str, Any]) -> None:
+    with shared_pictures():
+        level(capture_of(EVERYTHING)[0], 1, 7)
+        different, source = capture_of(**{"memory": EVERYTHING, **other})
+        level(different, 1, 7)
+    assert source.reads == [(1, 7)]
+
+
+def test_pictures_that_do_not_fit_in_memory_are_not_shared() -> None:
+    with shared_pictures():
+        for _ in range(2):
+            capture, source = capture_of(EVERYTHING - 1)
+            level(capture, 1, 7)
+            assert source.reads == [(1, 7)]
 
 
 def test_nothing_is_decoded_ahead_that_does_not_fit(tmp_path: Path) -> None:

@@ -249,6 +249,11 @@ def test_contributions_are_the_same_without_a_picture() -> None:
         listed.backward(np.zeros((3, 88, 120), np.float32), None, None, None)
 
 
+def test_a_rendering_that_drew_nothing_has_no_measurements() -> None:
+    with pytest.raises(RuntimeError, match="drew nothing"):
+        Raster(*scene(5, 5), camera(), draw=False).measurements()
+
+
 def test_the_measurements_count_what_was_drawn() -> None:
     static, dynamic = scene()
     found = Raster(static, dynamic, camera(120, 88), 0.3).measurements()

@@ -6,7 +6,9 @@ import dataclasses
 import json
 import re
 import shutil
+from collections import Counter
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,6 +17,7 @@ from PIL import Image
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, silent
 from hgs_core.base.version import software_version
+from hgs_core.capture.held_pictures import FrameSource, HeldPictures
 from hgs_core.check.findings import CaptureCheck, Finding
 from hgs_core.codec import decode_scene, load_manifest
 from hgs_core.codec.encoder.find_captured_space import find_captured_space
@@ -225,6 +228,20 @@ def test_what_the_check_found_is_told_also_where_it_stops_the_run(
         train_scene(capture, tmp_path / "run", CONFIG, checked=told.append)
     assert [finding.problem for finding in told[0].findings] == ["it is upside down"]
     assert faulty == [1]
+
+
+def test_every_picture_is_decoded_once(tmp_path: Path, capture: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    reads: Counter[tuple[int, int]] = Counter()
+
+    class Counting(HeldPictures):
+        def __init__(self, source: FrameSource, *arguments: Any) -> None:
+            super().__init__(source, *arguments)
+            read = source.read
+            source.read = lambda camera, frame, more: reads.update([(camera, frame)]) or read(camera, frame, more)
+
+    monkeypatch.setattr("hgs_core.capture.capture.HeldPictures", Counting)
+    train_scene(capture, tmp_path / "run", CONFIG)
+    assert set(reads.values()) == {1}
 
 
 def test_a_capture_that_changed_is_noticed(tmp_path: Path) -> None:
