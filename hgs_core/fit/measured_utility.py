@@ -27,7 +27,7 @@ from hgs_core.scene.splats import DynamicSplats, HybridScene, StaticSplats
 
 __all__ = ["measure_utility"]
 
-CAMERAS_PER_FRAME = 4  # least cameras for dynamic splats; the next frame takes the next cameras
+CAMERAS_PER_FRAME = 2  # least cameras for dynamic splats; the next frame takes the next cameras
 STATIC_VIEWS = 60  # views for static splats, spread over cameras and frames; at least all cameras
 LARGEST_LOGIT = math.log(0.98 / 0.02)  # limit of the opacity: near 1 it has no gradient
 

@@ -13,7 +13,7 @@ from torch import Tensor
 from hgs_core.base.cores import core_pool
 from hgs_core.base.progress import ProgressCallback
 from hgs_core.capture.capture import Capture
-from hgs_core.capture.pictures.picture import reduced_mask
+from hgs_core.capture.pictures.picture import reduced_mask, reduced_picture
 from hgs_core.decompose.background import sample_frames
 from hgs_core.decompose.masks import MotionMasks
 from hgs_core.points.same_moment import same_moments
@@ -46,11 +46,12 @@ class TrainingView:
 
 @dataclass(frozen=True)
 class Instant:
-    """One moment of C training cameras, at full size: of all of them, if they are in step."""
+    """One moment of C training cameras, all at one size: of all of them, if they are in step."""
 
     seconds: float
     moment: float  # normalised time
     places: tuple[int, ...]  # places of the cameras among the training cameras
+    cameras: list[Camera]  # C, at the pictures' size
     pictures: list[npt.NDArray[np.uint8]]  # C times [H, W, 3]
     moving: list[npt.NDArray[np.bool_]]  # C times [H, W]
 
@@ -137,7 +138,7 @@ class TrainingViews:
         key = index, frame, size
         if key not in self._tiles:
             assert self._masks is not None
-            camera = self._all[index] if size == 1.0 else self._all[index].scaled(size)
+            camera = self._sized(index, size)
             self._tiles[key] = tiles_of(reduced_mask(self._masks.mask(index, self._segment.first + frame), camera))
         return self._tiles[key]
 
@@ -149,10 +150,13 @@ class TrainingViews:
         for index, frames in self.order.samples(iteration):
             yield self._views(index, frames, _SAMPLE_SIZE)
 
-    def everywhere(self, iteration: int) -> Iterator[Iterator[TrainingView]]:
-        """Yield, for every training camera, full-size views at a few moments, with motion masks if they are known."""
+    def everywhere(self, iteration: int, size: float) -> Iterator[Iterator[TrainingView]]:
+        """Yield, for every training camera, views at a few moments, with motion masks if they are known.
+
+        They have the size that is trained.
+        """
         for index, frames in self.order.everywhere(iteration):
-            yield self._views(index, frames, 1.0, masked=self.masked)
+            yield self._views(index, frames, size, masked=self.masked)
 
     def poses(self, moments: int) -> Iterator[tuple[Camera, list[float]]]:
         """Yield every training camera, at half size, with the same at most `moments` normalised times."""
@@ -162,8 +166,10 @@ class TrainingViews:
         for camera in self.cameras:
             yield camera.scaled(_SAMPLE_SIZE), normalised
 
-    def instants(self, count: int, generator: np.random.Generator) -> Iterator[Instant]:
+    def instants(self, count: int, size: float, generator: np.random.Generator) -> Iterator[Instant]:
         """Yield at most `count` moments, evenly over the segment from a random first one; there must be masks.
+
+        Pictures and masks are resized by the factor `size`.
 
         Of cameras that are not in step each moment has one group of those that are, another every time.
         """
@@ -172,12 +178,18 @@ class TrainingViews:
         for turn, frame in enumerate(range(int(generator.integers(every)), self._segment.frames, every)):
             groups = same_moments(self._capture, self._training, self._segment.first + frame)
             group = groups[turn % len(groups)]
+            cameras = [self._sized(index, size) for index in group.cameras]
             with core_pool() as pool:
                 pictures = list(pool.map(self._capture.frame, group.cameras, group.frames))
+                pictures = list(pool.map(reduced_picture, pictures, cameras))
                 moving = list(pool.map(self._masks.mask, group.cameras, group.frames))
+                moving = list(pool.map(reduced_mask, moving, cameras))
             places = tuple(self._places[index] for index in group.cameras)
             moment = self._segment.clock.normalised(group.seconds)
-            yield Instant(group.seconds, moment, places, pictures, moving)
+            yield Instant(group.seconds, moment, places, cameras, pictures, moving)
+
+    def _sized(self, index: int, size: float) -> Camera:
+        return self._all[index] if size == 1.0 else self._all[index].scaled(size)
 
     def _views(self, index: int, frames: Sequence[int], size: float, *, masked: bool = False) -> Iterator[TrainingView]:
         for frame in frames:
@@ -187,7 +199,7 @@ class TrainingViews:
         self, frames: DeviceFrames, index: int, frame: int, size: float, masked: bool = False, window: Window = WHOLE
     ) -> TrainingView:
         frame += self._segment.first
-        camera = self._all[index] if size == 1.0 else self._all[index].scaled(size)
+        camera = self._sized(index, size)
         target = frames.target(index, frame, camera, window)
         late = 0.0 if self.time_shifts is None else self.time_shifts.of(self._places[index])
         moment = self._segment.clock.normalised(self._capture.moment(index, frame) + late)

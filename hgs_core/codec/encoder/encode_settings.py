@@ -32,7 +32,7 @@ class EncodeSettings:
     largest_rotation_step: float = 0.15
     largest_opacity_step: float = 0.06  # units of the stored number
     largest_rgb_step: float = 0.2
-    prune: float = 0.0004  # static splats that would be missed less than this times coarseness squared are dropped
+    prune: float = 0.0001  # static splats that would be missed less than this times coarseness squared are dropped
     prune_dynamic: float = 0.0006  # and dynamic ones, which take more bytes
     shortest_life: float = 0.05  # frames; half the life of the briefest splat
     slice_seconds: float = 0.5

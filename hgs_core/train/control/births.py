@@ -62,16 +62,15 @@ class BirthRound:
         known = torch.cat([state.static.means, state.dynamic.motion[:, 0]]).numpy()
         ranges = depth_ranges(views.cameras, known)
         missing, moments, ghosts = [], [], []
-        for instant in views.instants(instants, generator):
-            cameras = [views.cameras[place] for place in instant.places]
+        for instant in views.instants(instants, context.schedule.resolution(context.iteration), generator):
             with core_pool() as pool:
-                errors = list(pool.map(partial(_error, state, config, instant), cameras, instant.pictures))
+                errors = list(pool.map(partial(_error, state, config, instant), instant.cameras, instant.pictures))
             moments.append(instant.moment)
-            ghosts.append(visible_where_still(state.dynamic, cameras, instant.moment, instant.moving, errors))
+            ghosts.append(visible_where_still(state.dynamic, instant.cameras, instant.moment, instant.moving, errors))
             if most == 0:
                 continue
             near = [ranges[place] for place in instant.places]
-            found = find_missing_points(cameras, instant.pictures, instant.moving, errors, near)
+            found = find_missing_points(instant.cameras, instant.pictures, instant.moving, errors, near)
             count = len(found.points)
             alive, moving = np.full(count, instant.seconds, np.float32), np.ones(count, np.float32)
             missing.append(MissingPoints(dataclasses.replace(found.points, times=alive, dynamic=moving), found.urgency))
