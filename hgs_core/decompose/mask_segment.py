@@ -20,7 +20,7 @@ import numpy.typing as npt
 from hgs_core.base.atomic import replacing
 from hgs_core.base.errors import InputError
 
-__all__ = ["MaskSegment", "packed_mask"]
+__all__ = ["MaskSegment", "packed_mask", "unpacked_mask"]
 
 _CURE = "delete it and points/near.json, and run hgs train again"
 
@@ -38,8 +38,7 @@ class MaskSegment:
 
     def mask(self, camera: int, frame: int, shape: tuple[int, int]) -> npt.NDArray[np.bool_]:
         """Return a mask of shape [H, W]."""
-        bits = np.frombuffer(zlib.decompress(self.packed(camera, frame)), np.uint8)
-        return np.unpackbits(bits, count=shape[0] * shape[1]).view(np.bool_).reshape(shape)
+        return unpacked_mask(self.packed(camera, frame), shape)
 
     def save(self, path: Path, fingerprint: str) -> None:
         """Write the masks of the capture with this fingerprint; the file appears complete or not at all."""
@@ -79,3 +78,9 @@ class MaskSegment:
 def packed_mask(mask: npt.NDArray[np.bool_]) -> bytes:
     """Return the deflated bits of a mask [H, W]."""
     return zlib.compress(np.packbits(mask).tobytes(), 1)
+
+
+def unpacked_mask(packed: bytes | memoryview, shape: tuple[int, int]) -> npt.NDArray[np.bool_]:
+    """Return the mask of shape [H, W] that `packed_mask` deflated."""
+    bits = np.frombuffer(zlib.decompress(packed), np.uint8)
+    return np.unpackbits(bits, count=shape[0] * shape[1]).view(np.bool_).reshape(shape)

@@ -17,12 +17,13 @@ from hgs_core.base.progress import Progress, ProgressCallback
 from hgs_core.capture.capture import Capture
 from hgs_core.decompose.automatic_masks import automatic_masks
 from hgs_core.decompose.background import sample_frames
-from hgs_core.decompose.mask_segment import MaskSegment, packed_mask
+from hgs_core.decompose.mask_segment import MaskSegment, packed_mask, unpacked_mask
 
 __all__ = ["MotionMasks", "kept_masks", "mask_file", "motion_masks"]
 
 _SHARE_FRAMES = 16  # frames of each camera for the estimate of `MotionMasks.share`
 _MOST_MAPPED = 8  # files open at once
+_MOST_GIVEN = 4096  # given masks kept, some 2 KiB each at 640x360
 
 
 def mask_file(folder: Path, segment: int) -> Path:
@@ -31,13 +32,18 @@ def mask_file(folder: Path, segment: int) -> Path:
 
 
 class MotionMasks:
-    """One mask per training picture. Automatic masks are kept as deflated bits, given ones are read when asked for."""
+    """One mask per training picture, kept as deflated bits.
+
+    Given masks are read when asked for. Those asked for last are kept: training asks for each many times, and a file
+    takes twenty times as long.
+    """
 
     def __init__(self, capture: Capture, cameras: Sequence[int], segment: Callable[[int], MaskSegment]) -> None:
         """Take the automatic masks of a frame from `segment(frame)`; `motion_masks` and `load` call this."""
         self.cameras = tuple(cameras)
         self._capture = capture
         self._segment = segment
+        self._given = lru_cache(_MOST_GIVEN)(self._read_given)
 
     def mask(self, camera: int, frame: int) -> npt.NDArray[np.bool_]:
         """Return the mask [H, W], True = moves.
@@ -49,13 +55,17 @@ class MotionMasks:
         if camera not in self.cameras:
             raise IndexError(f"no masks were made for camera {camera}")
         size = self._capture.cameras[camera]
+        shape = size.height, size.width
         segment = self._segment(frame)
         if camera in segment.rows:
-            return segment.mask(camera, frame, (size.height, size.width))
+            return segment.mask(camera, frame, shape)
+        return unpacked_mask(self._given(camera, frame), shape)
+
+    def _read_given(self, camera: int, frame: int) -> bytes:
         given = self._capture.mask(camera, frame)
         if given is None:
             raise InputError(self._capture.path, f"the masks of camera {camera} are gone", "restore the files")
-        return given
+        return packed_mask(given)
 
     def share(self) -> float:
         """Return the share of the pixels that move, 0..1, from at most 16 frames of each camera."""

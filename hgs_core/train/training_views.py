@@ -159,12 +159,15 @@ class TrainingViews:
             yield self._views(index, frames, size, masked=self.masked)
 
     def poses(self, moments: int) -> Iterator[tuple[Camera, list[float]]]:
-        """Yield every training camera, at half size, with the same at most `moments` normalised times."""
+        """Yield every training camera, at half size, with every second of at most `moments` normalised times.
+
+        Neighbours in the list take turns: what a camera misses the next one sees.
+        """
         frames = sample_frames(self._segment.frames, moments)
         times = self._capture.times[[self._segment.first + frame for frame in frames]]
         normalised = [self._segment.clock.normalised(float(seconds)) for seconds in times]
-        for camera in self.cameras:
-            yield camera.scaled(_SAMPLE_SIZE), normalised
+        for place, camera in enumerate(self.cameras):
+            yield camera.scaled(_SAMPLE_SIZE), normalised[place % 2 :: 2] or normalised
 
     def instants(self, count: int, size: float, generator: np.random.Generator) -> Iterator[Instant]:
         """Yield at most `count` moments, evenly over the segment from a random first one; there must be masks.

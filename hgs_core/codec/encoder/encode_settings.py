@@ -27,11 +27,11 @@ class EncodeSettings:
     rotation_step: float = 1.0  # quaternion components, shape steps over the splat's elongation
     opacity_step: float = 0.05  # share of the opacity
     rgb_step: float = 0.024
-    largest_position_step: float = 1.0  # pixels of the cameras that see the splat
-    largest_shape_step: float = 0.7
-    largest_rotation_step: float = 0.15
-    largest_opacity_step: float = 0.06  # units of the stored number
-    largest_rgb_step: float = 0.2
+    largest_position_step: float = 0.5  # pixels of the cameras that see the splat
+    largest_shape_step: float = 0.35
+    largest_rotation_step: float = 0.075
+    largest_opacity_step: float = 0.03  # units of the stored number
+    largest_rgb_step: float = 0.1
     prune: float = 0.0001  # static splats that would be missed less than this times coarseness squared are dropped
     prune_dynamic: float = 0.0006  # and dynamic ones, which take more bytes
     shortest_life: float = 0.05  # frames; half the life of the briefest splat

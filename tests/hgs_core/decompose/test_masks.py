@@ -23,6 +23,7 @@ class MovingBar:
 
     def __init__(self) -> None:
         self.asked: set[int] = set()
+        self.masks_read = 0
 
     def read(self, camera: int, frame: int, neighbours: int) -> tuple[np.ndarray, tuple[()]]:
         self.asked.add(camera)
@@ -33,6 +34,7 @@ class MovingBar:
     def read_mask(self, camera: int, frame: int) -> np.ndarray | None:
         if camera < 2:
             return None
+        self.masks_read += 1
         mask = np.zeros((40, 53), bool)
         mask[:, 5 * frame : 5 * frame + 8] = True
         return mask
@@ -61,6 +63,15 @@ def test_other_cameras_are_not_read() -> None:
     assert source.asked == {1}
     with pytest.raises(IndexError):
         masks.mask(0, 0)
+
+
+def test_a_given_mask_is_read_once() -> None:
+    capture, source = bar_capture()
+    masks = motion_masks(capture, [2], progress=silent)
+    before = source.masks_read
+    first = masks.mask(2, 3)
+    np.testing.assert_array_equal(first, masks.mask(2, 3))
+    assert source.masks_read == before + 1
 
 
 def test_share_is_the_mean_of_the_masks() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from hgs_core.capture.open import open_capture
@@ -38,8 +39,23 @@ def test_a_learned_clock_is_added_to_that_of_the_capture(views: TrainingViews) -
     assert late.moment - before.moment == pytest.approx(0.25 / (clock.end - clock.start))
 
 
-def test_poses_cover_the_segment(views: TrainingViews) -> None:
-    poses = list(views.poses(3))
-    assert len(poses) == 5
-    for _, moments in poses:
-        assert moments == pytest.approx([0.0, 0.4, 1.0])
+def test_neighbouring_cameras_cover_the_segment_in_turns(views: TrainingViews) -> None:
+    poses = [moments for _, moments in views.poses(3)]
+    assert poses == [pytest.approx([0.0, 1.0]), pytest.approx([0.4])] * 2 + [pytest.approx([0.0, 1.0])]
+
+
+def test_every_camera_sees_the_only_moment(views: TrainingViews) -> None:
+    assert [len(moments) for _, moments in views.poses(1)] == [1] * 5
+
+
+@pytest.mark.parametrize("size", [1.0, 0.5])
+def test_rounds_look_at_pictures_of_the_size_that_is_trained(views: TrainingViews, size: float) -> None:
+    whole = views.cameras[0]
+    sides = round(whole.height * size), round(whole.width * size)
+    for instant in views.instants(2, size, np.random.default_rng(0)):
+        for camera, picture, moving in zip(instant.cameras, instant.pictures, instant.moving, strict=True):
+            assert (camera.height, camera.width) == picture.shape[:2] == moving.shape == sides
+    for camera_views in views.everywhere(0, size):
+        for view in camera_views:
+            assert view.moving is not None
+            assert (view.camera.height, view.camera.width) == view.target.shape[1:] == view.moving.shape == sides
