@@ -1,8 +1,8 @@
 """The first points of a scene: interleaved-frame structure from motion, filled up by plane sweeps.
 
 Static points come from the first moment and from the still background, dynamic points from moments in between, as the
-interleaved-frame initialisation of HGS has it. At the first moment features give exact points where there is texture;
-the sweeps give the rest of the pictures theirs, so that the targets are met wherever the pictures allow.
+interleaved-frame initialisation of HGS has it. Features give exact points where there is texture; the sweeps give the
+rest of the pictures theirs, so that the targets are met wherever the pictures allow.
 """
 
 from __future__ import annotations
@@ -90,10 +90,7 @@ class PointSearch:
         Raises:
             InputError: a picture is missing or unreadable; so do the other methods.
         """
-        moment = self._together(frame)
-        views, pictures, moving = seen_at(self.capture, moment, self.masks)
-        found = triangulate(views, pictures)
-        return _cloud(found.xyz, found.rgb, moment.seconds, label_points(views, moving, found.xyz, found.seen))
+        return _sparse(self.capture, self._together(frame), self.masks, whole=True)
 
     def ranges(self, features: PointCloud) -> Ranges:
         """Return the depths between which the sweeps look."""
@@ -126,19 +123,17 @@ class PointSearch:
         generator: np.random.Generator,
         features: PointCloud | None = None,
     ) -> PointCloud:
-        """Return about `count` moving points at a frame; `features` are those of this frame, where known.
-
-        Sweeps alone do as well: features of later moments took 3 % of a preview's time.
-        """
+        """Return about `count` moving points at a frame; `features` are those of this frame, where known."""
         groups = same_moments(self.capture, self.cameras, frame)
         grouped = sum(len(group.cameras) for group in groups)
         shares = [count * len(group.cameras) // grouped for group in groups]
         shares[0] += count - sum(shares)
         parts = []
         for group, share in zip(groups, shares, strict=True):
-            moving = PointCloud.concatenate([])
-            if features is not None and group == self._together(frame):
-                moving = features.take(features.dynamic >= _MOVING_SHARE)
+            known = features if group == self._together(frame) else None
+            if known is None:
+                known = _sparse(self.capture, group, self.masks, whole=False)
+            moving = known.take(known.dynamic >= _MOVING_SHARE)
             near = [ranges[self.cameras.index(index)] for index in group.cameras]
             seeds = _dynamic_seeds(
                 self.capture, group, self.masks, near, max(0, share - len(moving)), generator, self._surfaces
@@ -151,6 +146,14 @@ class PointSearch:
     def _together(self, frame: int) -> SameMoment:
         """Return a frame of all cameras, as if they were in step."""
         return SameMoment(float(self.capture.times[frame]), tuple(self.cameras), (frame,) * len(self.cameras))
+
+
+def _sparse(capture: Capture, moment: SameMoment, masks: MotionMasks, *, whole: bool) -> PointCloud:
+    """Triangulate the features of one moment: those of whole pictures, or only those that move."""
+    views, pictures, moving = seen_at(capture, moment, masks)
+    found = triangulate(views, pictures, None if whole else moving)
+    dynamic = label_points(views, moving, found.xyz, found.seen)
+    return _cloud(found.xyz, found.rgb, moment.seconds, dynamic)
 
 
 def _static_seeds(

@@ -45,11 +45,13 @@ def camera_pairs(cameras: Sequence[Camera]) -> list[tuple[int, int]]:
 def triangulate(
     cameras: Sequence[Camera],
     pictures: Sequence[npt.NDArray[np.uint8]],  # [H, W, 3] each, of one moment
+    masks: Sequence[npt.NDArray[np.bool_]] | None = None,  # [H, W] each, where points are wanted; None: everywhere
 ) -> SparsePoints:
     """Return the points that at least three views agree on; the same bits for the same input and any thread count."""
+    wanted = masks if masks is not None else [None] * len(pictures)
     pairs = camera_pairs(cameras)
     with core_pool() as pool:
-        features = list(pool.map(extract_features, pictures))
+        features = list(pool.map(extract_features, pictures, wanted))
         matches = list(pool.map(lambda pair: _match(cameras, features, *pair), pairs))
     return _reconstruct(cameras, pictures, features, dict(zip(pairs, matches, strict=True)))
 

@@ -106,7 +106,7 @@ class TrainConfig:
     colour_correction: bool = True  # learn an affine colour map per training camera; scenes do not keep them
     lens_falloff: bool = True  # and how its lens darkens the picture towards the corners
     time_shifts: bool = True  # and by how much of a frame its clock is late (docs/training.md)
-    dssim: float = 0.4  # lambda of the loss
+    dssim: float = 0.2  # lambda of the loss
     coarse_until: float = 0.25  # share of `iterations` trained at half resolution
     moving_steps: float = 3.0  # further ones per iteration, of the dynamics alone where masks say it moves; 0: none
     settle_from: float = 0.6  # share of `iterations` after which steps of all but positions become smaller

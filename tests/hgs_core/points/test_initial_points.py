@@ -67,15 +67,6 @@ def test_the_targets_are_met(points: PointCloud) -> None:
     assert 400 <= len(points) - static <= 600
 
 
-def test_movers_of_later_moments_need_no_features(
-    capture: Capture, masks: MotionMasks, points: PointCloud, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    search = PointSearch(capture, VIEWS, masks, **TARGETS)
-    ranges = search.ranges(points)
-    monkeypatch.delattr("hgs_core.points.initial_points.triangulate")
-    assert len(search.moving(30, 300, ranges, np.random.default_rng(0))) > 150
-
-
 def test_dynamic_points_come_from_every_moment(points: PointCloud) -> None:
     times = points.times[points.dynamic >= 0.5]
     np.testing.assert_allclose(np.unique(times), [0, 1], atol=1e-6)
