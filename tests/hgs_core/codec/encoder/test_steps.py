@@ -20,14 +20,14 @@ def test_deviations_on_the_screen_have_what_rendering_adds() -> None:
 def test_a_place_may_be_off_by_a_share_of_the_splats_radius_and_less_where_it_shows_more() -> None:
     """A ball of deviation 4 pixels, 100 pixels to the unit."""
     radius = np.sqrt(16.3) / 100
-    splats = prepared(3, log_scale=np.log(0.04), utility=[1.0, 4.0, 1 / 4])
-    expected = SETTINGS.position_step * radius * np.array([1, 1 / 2, 2])
+    splats = prepared(3, log_scale=np.log(0.04), utility=[1.0, 4.0, 16 / 25])
+    expected = SETTINGS.position_step * radius * np.array([1, 1 / 2, 5 / 4])
     np.testing.assert_allclose(ideal_position_steps(splats, SETTINGS), expected)
-    coarse = EncodeSettings(coarseness=1.25)
-    np.testing.assert_allclose(ideal_position_steps(splats, coarse), 1.25 * expected)
+    coarse = EncodeSettings(coarseness=1.1)
+    np.testing.assert_allclose(ideal_position_steps(splats, coarse), 1.1 * expected)
 
 
-def test_a_step_is_no_wider_than_a_pixel_and_no_finer_than_floats_hold() -> None:
+def test_a_step_is_no_wider_than_half_a_pixel_and_no_finer_than_floats_hold() -> None:
     wide = prepared(1, utility=1e-9)
     np.testing.assert_allclose(ideal_position_steps(wide, SETTINGS), SETTINGS.largest_position_step / 100)
     far = prepared(1, log_scale=np.log(1e-4), position=[[0, -8e5, 3]])
@@ -39,7 +39,7 @@ def test_a_grade_is_a_factor_of_two_in_the_steps_of_colour_and_shape(utility: fl
     steps = Steps.of(prepared(5, utility=utility), SETTINGS)
     assert steps.rgb == pytest.approx(width * SETTINGS.rgb_step, rel=1e-6)
     assert steps.shape == pytest.approx(width * SETTINGS.shape_step, rel=1e-6)
-    assert Steps.of(prepared(5, utility=utility), EncodeSettings(coarseness=1.5)).rgb == pytest.approx(1.5 * steps.rgb)
+    assert Steps.of(prepared(5, utility=utility), EncodeSettings(coarseness=0.5)).rgb == pytest.approx(0.5 * steps.rgb)
 
 
 def test_the_finest_grade_of_a_chunk_counts_and_every_splat_keeps_its_own_weight() -> None:
