@@ -153,7 +153,7 @@ class TrainingViews:
     def everywhere(self, iteration: int, size: float) -> Iterator[Iterator[TrainingView]]:
         """Yield, for every training camera, views at a few moments, with motion masks if they are known.
 
-        They have the size that is trained.
+        Pictures and masks are resized by the factor `size`.
         """
         for index, frames in self.order.everywhere(iteration):
             yield self._views(index, frames, size, masked=self.masked)

@@ -62,7 +62,7 @@ class BirthRound:
         known = torch.cat([state.static.means, state.dynamic.motion[:, 0]]).numpy()
         ranges = depth_ranges(views.cameras, known)
         missing, moments, ghosts = [], [], []
-        for instant in views.instants(instants, context.schedule.resolution(context.iteration), generator):
+        for instant in views.instants(instants, context.size, generator):
             with core_pool() as pool:
                 errors = list(pool.map(partial(_error, state, config, instant), instant.cameras, instant.pictures))
             moments.append(instant.moment)

@@ -59,7 +59,7 @@ class InfillRound:
         if most <= 0:
             return
         ranges = depth_ranges(context.views.cameras, state.static.means.numpy())
-        views = context.views.everywhere(context.iteration, context.schedule.resolution(context.iteration))
+        views = context.views.everywhere(context.iteration, context.size)
         points = find_infill(state.static, state.dynamic, views, config, state.shown, ranges, most, generator)
         added, _ = initial_splats(points, context.segment.clock, context.segment.frames, opacity=_OPACITY)
         state.replace(kept(state.static, state.static_optimiser, None, added), state.dynamic)

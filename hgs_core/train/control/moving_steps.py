@@ -43,10 +43,9 @@ class MovingSteps:
 
     def apply(self, state: TrainState, context: RoundContext) -> None:
         """Change the state in place."""
-        size = context.schedule.resolution(context.iteration)
         count = round(_EVERY * self.config.moving_steps)
         cameras: dict[int, FixedView] = {}
-        for view, moving in context.views.where_it_moves(context.iteration, count, size):
+        for view, moving in context.views.where_it_moves(context.iteration, count, context.size):
             if view.place not in cameras:
                 cameras[view.place] = FixedView(
                     state.static, view.camera, antialiased=self.config.antialiased, backend=self.config.backend

@@ -33,6 +33,11 @@ class RoundContext:
     first_counts: tuple[int, int]  # static and dynamic splats that the training began with
     statics_learn: bool
 
+    @property
+    def size(self) -> float:
+        """The factor by which pictures are resized in this iteration."""
+        return self.schedule.resolution(self.iteration)
+
     def random(self, purpose: int) -> np.random.Generator:
         """Return the random numbers of this iteration for a purpose; every purpose has a number of its own."""
         return np.random.default_rng((self.seed, purpose, self.iteration))

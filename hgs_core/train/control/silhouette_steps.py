@@ -42,8 +42,8 @@ class SilhouetteSteps:
 
     def apply(self, state: TrainState, context: RoundContext) -> None:
         """Change the state in place; statics and colour maps stay as they are."""
-        size, random = context.schedule.resolution(context.iteration), context.random(8)
-        for view, moving in context.views.silhouettes(context.iteration, round(self.config.moving_steps), size):
+        random, more = context.random(8), round(self.config.moving_steps)
+        for view, moving in context.views.silhouettes(context.iteration, more, context.size):
             red, green, blue = (float(one) for one in random.random(3))
             self._step(state, context, view, moving, (red, green, blue))
 

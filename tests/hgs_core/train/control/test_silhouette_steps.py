@@ -60,6 +60,7 @@ def take(state: TrainState, iteration: int) -> None:
         views=SimpleNamespace(silhouettes=views),
         schedule=Schedule(STEPS, extent=1.0, frames=6),
         iteration=iteration,
+        size=0.5,
         statics_learn=True,
         random=lambda purpose: np.random.default_rng((purpose, iteration)),
     )
@@ -130,6 +131,7 @@ def test_the_config_says_how_many(moving_steps: float) -> None:
         views=SimpleNamespace(silhouettes=none),
         schedule=Schedule(config, extent=1.0, frames=6),
         iteration=0,
+        size=0.5,
         random=np.random.default_rng,
     )
     SilhouetteSteps(config, throughout=True).apply(state(), cast(RoundContext, context))
