@@ -87,14 +87,18 @@ def ahead(page: Page, rate: float) -> float:
 
 def _ahead_once(page: Page, rate: float) -> float:
     page.evaluate("() => { window.clicks.length = window.samples.length = 0; }")
-    page.wait_for_function("() => window.clicks.length >= 3 && window.samples.at(-1)?.[0] > window.clicks[2] + 50")
-    clicks, samples = page.evaluate("() => [window.clicks, window.samples]")
+    clicks, samples = page.wait_for_function(
+        """(refresh) => {
+          const { samples } = window;
+          const clicks = window.clicks.filter((click) => samples[0]?.[0] < click - refresh).slice(0, 3);
+          return clicks.length === 3 && samples.at(-1)[0] > clicks[2] + 50 && [clicks, samples];
+        }""",
+        arg=REFRESH,
+    ).json_value()
     frames = np.array(samples)
     found = []
-    for heard in clicks[:3]:
+    for heard in clicks:
         at = int(np.searchsorted(frames[:, 0], heard - REFRESH)) - 1
-        if at < 0:
-            continue
         seen = frames[at, 1] + rate * (heard - REFRESH - frames[at, 0]) / 1000
         found.append(1000 / rate * float(min(seen - CLICKS, key=abs)))
     return float(np.median(found))

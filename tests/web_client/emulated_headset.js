@@ -141,7 +141,9 @@
     /** Run frames until the session has a picture. */
     async entered() {
       while (!held) await new Promise((resolve) => setTimeout(resolve, 1));
-      while (headset.frame() === 0) await new Promise((resolve) => setTimeout(resolve, 1));
+      // A frame of the page, asked for before the session had a layer, draws splats as well.
+      while (headset.frame() === 0 || !headset.session?.renderState.baseLayer)
+        await new Promise((resolve) => setTimeout(resolve, 1));
     },
     /** Wait until the worker has answered what it was asked. */
     async answered() {
