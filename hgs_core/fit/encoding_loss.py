@@ -49,6 +49,7 @@ class Loss:
     made-up cameras see different things, from afar and from near, it is that of the group that loses most.
     """
 
+    @one_torch_thread()
     def __init__(self, scene: HybridScene[Floats], views: EncodeViews, cameras: Mapping[int, Camera]) -> None:
         """Draw `scene` in views spread over `cameras` (by index) and all time, as the reference of losses.
 
@@ -74,6 +75,7 @@ class Loss:
             self._moving = [views.moving(*view) for view in self._views]
         self._psnr, self._psnr_moving = self._whole(own), self._of_moving(own)
 
+    @one_torch_thread()
     def of(self, scene: HybridScene[Floats]) -> Decibels:
         """Return by how much `scene` is worse than the one given first."""
         pictures = self._pictures(scene)
@@ -101,11 +103,10 @@ class Loss:
         """Draw each view on each background: [B, 3, H, W]."""
         tensors = scene.map(torch.from_numpy)
         pictures = []
-        with one_torch_thread():
-            for index, frame in self._views:
-                segment = tensors.segment_at(float(self._times[frame]))
-                view = FixedView(tensors.static, self._cameras[index], antialiased=scene.antialiased)
-                drawn = view.frame(segment.dynamic, segment.normalised(self._moment(index, frame)))
-                grounds = [drawn.rgb + (1 - drawn.alpha) * value if value else drawn.rgb for value in self._backgrounds]
-                pictures.append(torch.stack(grounds).clamp(0, 1))
+        for index, frame in self._views:
+            segment = tensors.segment_at(float(self._times[frame]))
+            view = FixedView(tensors.static, self._cameras[index], antialiased=scene.antialiased)
+            drawn = view.frame(segment.dynamic, segment.normalised(self._moment(index, frame)))
+            grounds = [drawn.rgb + (1 - drawn.alpha) * value if value else drawn.rgb for value in self._backgrounds]
+            pictures.append(torch.stack(grounds).clamp(0, 1))
         return pictures
