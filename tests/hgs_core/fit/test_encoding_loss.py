@@ -65,6 +65,25 @@ def test_moving_pixels_of_all_views_are_one_error() -> None:
     assert found.most == found.moving
 
 
+def test_a_loss_has_the_same_bits_for_any_number_of_torch_threads() -> None:
+    given, large = scene(), tuple(ring_of_cameras(3, 640, 480))
+    darker = type(given)(dataclasses.replace(given.static, rgb=given.static.rgb * 0.9), given.segments)
+    pixels = torch.rand(3, 480, 640, generator=torch.Generator().manual_seed(0))
+    moving = torch.rand(480, 640, generator=torch.Generator().manual_seed(1)) < 0.4
+    views = EncodeViews(
+        "", large, dict(enumerate(large)), TIMES, lambda camera, frame: pixels, moving=lambda camera, frame: moving
+    )
+    before, found = torch.get_num_threads(), []
+    try:
+        for threads in (1, 3):
+            torch.set_num_threads(threads)
+            loss = Loss(given, views, views.trained)
+            found.append((loss.of(darker), loss._psnr.tolist()))
+    finally:
+        torch.set_num_threads(before)
+    assert found[0] == found[1]
+
+
 def test_views_are_drawn_at_the_moments_when_their_pictures_were_taken(tmp_path: Path) -> None:
     cameras = write_capture(tmp_path, frames=3, late={"1": 0.5, "3": 0.5})
     capture, static_and_dynamic = open_capture(tmp_path), synthetic_scene()
