@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 __all__ = ["compensated"]
 
-_COMPARED_PIXELS = 8192  # about so many are compared
+_COMPARED_PIXELS = 2048  # about so many are compared
 _REWEIGHTINGS = 6  # rounds; the fit settles in three or four
 _INLIER_DEVIATIONS = 2.5  # standard deviations: what is farther off moves, and does not count
 _AGREEING_SHARE = 0.4  # share of the pixels that must follow one gain and offset
