@@ -240,7 +240,7 @@ def test_every_picture_is_decoded_once(tmp_path: Path, capture: Path, monkeypatc
             source.read = lambda camera, frame, more: reads.update([(camera, frame)]) or read(camera, frame, more)
 
     monkeypatch.setattr("hgs_core.capture.capture.HeldPictures", Counting)
-    train_scene(capture, tmp_path / "run", CONFIG)
+    train_scene(capture, tmp_path / "run", CONFIG.changed({"train.iterations": 4, "encode.fine_tune": 0.0}))
     assert set(reads.values()) == {1}
 
 
