@@ -129,7 +129,6 @@ def test_the_config_says_how_many(moving_steps: float) -> None:
     config = dataclasses.replace(STEPS, moving_steps=moving_steps)
     context = SimpleNamespace(
         views=SimpleNamespace(silhouettes=none),
-        schedule=Schedule(config, extent=1.0, frames=6),
         iteration=0,
         size=0.5,
         random=np.random.default_rng,
