@@ -50,6 +50,9 @@ export class TargetCopy {
       [image.width, image.height] = [width, height];
       this.texture.needsUpdate = true;
     }
+    const context = renderer.getContext();
+    // Otherwise SwiftShader now and then copies the contents before the host's clearing.
+    if (context instanceof WebGL2RenderingContext) context.flush();
     renderer.copyFramebufferToTexture(this.texture);
   }
 }
