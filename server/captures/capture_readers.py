@@ -135,11 +135,9 @@ def _answers(
 
     assert process.stdin is not None
     assert process.stdout is not None
-    try:
+    with contextlib.suppress(OSError):  # it has ended: its exit status tells why
         process.stdin.write(json.dumps(request).encode() + b"\n")
         process.stdin.flush()  # left open: a reader whose server is gone exits when it closes
-    except OSError:
-        return  # it has ended; its exit status tells why
     while True:
         timer = threading.Timer(patience, end)
         timer.start()

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import json
 import logging
+import subprocess
 import sys
 import threading
 from pathlib import Path
@@ -29,6 +30,18 @@ for number in range(asked["most"]):
 """
     told = list(readers(program, tmp_path).read("describe", {"most": 3}, 600))
     assert told == [{"found": ["describe", number]} for number in range(3)]
+
+
+def test_answers_of_a_reader_that_ended_before_the_request_count(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Ended(subprocess.Popen[bytes]):
+        def __init__(self, *arguments: Any, **options: Any) -> None:
+            super().__init__(*arguments, **options)
+            self.wait()
+
+    monkeypatch.setattr(subprocess, "Popen", Ended)
+    assert list(readers("print('{}')", tmp_path).read("describe", {}, 600)) == [{}]
 
 
 @pytest.mark.parametrize(
