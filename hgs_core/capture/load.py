@@ -16,13 +16,14 @@ from hgs_core.capture.cameras.rigid_poses import with_rigid_poses
 from hgs_core.capture.footage import Footage
 from hgs_core.capture.footage_of_cameras import Matched, match_footage
 from hgs_core.capture.lenses.straighten import StraightView
+from hgs_core.capture.pictures.announced_length import announced_length
 from hgs_core.capture.pictures.as_calibrated import show_as_calibrated
 from hgs_core.capture.pictures.depth_files import DepthFiles, find_depth
 from hgs_core.capture.pictures.depth_scale import DEPTH_FILE
 from hgs_core.capture.pictures.mask_files import find_masks
 from hgs_core.capture.pictures.picture_numbers import PictureNumbers, picture_numbers
 from hgs_core.capture.pictures.picture_sequence import PictureSequence
-from hgs_core.capture.pictures.video import VideoReader, announced_length
+from hgs_core.capture.pictures.video import VideoReader
 from hgs_core.capture.recording import Recording
 from hgs_core.capture.time.clock import Clock, common_clock, mean_rate
 from hgs_core.capture.time.sync import CameraTimes, OwnTime, Sync, read_sync, table_of_times, times_of_cameras

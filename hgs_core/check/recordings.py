@@ -10,7 +10,7 @@ from pathlib import Path
 from hgs_core.base.errors import InputError
 from hgs_core.base.wording import counted
 from hgs_core.capture.footage import find_places
-from hgs_core.capture.pictures.video import AnnouncedLength, announced_length
+from hgs_core.capture.pictures.announced_length import AnnouncedLength, announced_length
 from hgs_core.check.evidence import CameraEvidence
 from hgs_core.check.findings import Finding
 from hgs_core.points.far_apart import stand_far_apart

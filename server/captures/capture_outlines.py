@@ -21,7 +21,7 @@ from hgs_core.capture.cameras.rig import CameraFormat
 from hgs_core.capture.footage import FEWEST_VIDEOS, is_video, natural_order
 from hgs_core.capture.load import Outline, outline
 from hgs_core.capture.open import open_capture
-from hgs_core.capture.pictures.video import announced_length
+from hgs_core.capture.pictures.announced_length import announced_length
 from server.captures.capture_folders import CaptureFolders
 from server.captures.capture_preview import camera_picture, capture_preview
 

@@ -6,7 +6,7 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Iterator
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple, cast
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -18,46 +18,13 @@ from hgs_core.capture.files.unreadable import unreadable
 from hgs_core.capture.pictures.frame_display import opacity
 from hgs_core.capture.pictures.picture_cache import Neighbour
 from hgs_core.capture.pictures.video_index import indexed_packets
-from hgs_core.capture.pictures.video_packets import open_stream
-from hgs_core.capture.pictures.video_stream import even_rate, stated_rate
 
 if TYPE_CHECKING:
     import av
     from av.container import InputContainer
     from av.video.stream import VideoStream
 
-__all__ = ["AnnouncedLength", "VideoReader", "announced_length"]
-
-
-class AnnouncedLength(NamedTuple):
-    """The length of a video by its header; None where that states nothing."""
-
-    frames: int | None
-    rate: float | None  # frames per second
-    even: bool  # the time between any two frames is the same; otherwise `rate` is a mean
-
-    @property
-    def seconds(self) -> float | None:
-        """Duration; None without frames or rate."""
-        return self.frames / self.rate if self.frames is not None and self.rate is not None else None
-
-
-def announced_length(path: Path) -> AnnouncedLength:
-    """Return the length that the header of a video states.
-
-    Raises:
-        InputError: the file is missing or no video.
-    """
-    import av
-
-    try:
-        with open_container(path) as container:
-            stream, _ = open_stream(path, container)
-            even = even_rate(stream)
-            rate = even or stated_rate(container, stream)
-            return AnnouncedLength(stream.frames or None, float(rate) or None, even is not None)
-    except (av.FFmpegError, OSError) as error:
-        raise unreadable(path, error, "copy or export it again", "the video is unreadable") from error
+__all__ = ["VideoReader"]
 
 
 class VideoReader:

@@ -17,7 +17,8 @@ from PIL import Image
 
 from hgs_core.base.errors import InputError
 from hgs_core.capture.files.container import open_container
-from hgs_core.capture.pictures.video import VideoReader, announced_length
+from hgs_core.capture.pictures.announced_length import announced_length
+from hgs_core.capture.pictures.video import VideoReader
 from hgs_core.capture.sound.sound_pieces import cut_sound
 from hgs_core.capture.sound.sound_track import has_sound, read_sound, sound_begin
 from tests.conftest import REPOSITORY

@@ -14,7 +14,8 @@ from av.stream import Disposition
 
 from hgs_core.base.errors import InputError
 from hgs_core.capture.files.container import open_container
-from hgs_core.capture.pictures.video import VideoReader, announced_length
+from hgs_core.capture.pictures.announced_length import announced_length
+from hgs_core.capture.pictures.video import VideoReader
 from hgs_core.capture.pictures.video_stream import stated_rate, video_stream
 from hgs_core.capture.sound.sound_track import sound_begin
 
