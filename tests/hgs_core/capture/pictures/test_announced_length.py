@@ -35,7 +35,8 @@ def test_even_frames_have_one_rate_and_a_length_in_seconds(tmp_path: Path) -> No
 def test_uneven_frames_have_a_mean_rate(tmp_path: Path) -> None:
     length = announced_length(write_video(tmp_path / "a.mp4", [0, 1, 2, 3, 4, 5, 12, 13, 14, 20]))
     assert (length.frames, length.even) == (10, False)
-    assert length.rate is not None and 10 < length.rate < 20
+    assert length.rate is not None
+    assert 10 < length.rate < 20
 
 
 def test_a_header_without_a_number_of_frames_states_no_seconds(tmp_path: Path) -> None:
